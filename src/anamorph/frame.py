@@ -1,0 +1,75 @@
+"""What goes into a method, and what comes out: View and Frame."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import IntEnum
+
+import numpy as np
+
+from anamorph.scene.camera import Camera
+from anamorph.scene.model import Scene
+
+
+class Status(IntEnum):
+    """How a pixel got its value."""
+
+    DIRECT = 0
+    WARPED = 1
+    REFINED = 2
+    TRACED = 3
+    SKY = 4
+    TOTAL_REFLECTION = 5
+    OUTSIDE = 6
+
+
+@dataclass(frozen=True, eq=False)
+class View:
+    """A scene as one camera sees it.
+
+    Parameters
+    ----------
+    scene : Scene
+    camera : Camera
+    size : (width, height)
+        Pixels.
+    samples : int
+        The picture averages samples x samples shifted pictures; the seen buffers are those of pixel centres.
+    seen : bool
+        Whether the frame carries its seen buffers.
+    """
+
+    scene: Scene
+    camera: Camera
+    size: tuple[int, int]
+    samples: int = 1
+    seen: bool = False
+
+
+@dataclass(frozen=True, eq=False)
+class Frame:
+    """A picture, and on request what each of its pixels sees.
+
+    Parameters
+    ----------
+    color : (H, W, 3) float32
+        Linear Rec. 709.
+    position : (H, W, 3) float32, optional
+        World point seen at the end of the pixel's path; where `object_id` is 0 (sky), the unit direction seen.
+    object_id : (H, W) uint32, optional
+        The object seen at the end of the path: index into `Scene.meshes` plus one, or 0 for the sky.
+    specular : (H, W) uint32, optional
+        The object number of the specular surface that the pixel looks at; 0 for none.
+    status : (H, W) uint8, optional
+        A `Status` each.
+    ray_origin, ray_direction : (H, W, 3) float32, optional
+        The last ray of each pixel's path, from methods that have one for every pixel.
+    """
+
+    color: np.ndarray
+    position: np.ndarray | None = None
+    object_id: np.ndarray | None = None
+    specular: np.ndarray | None = None
+    status: np.ndarray | None = None
+    ray_origin: np.ndarray | None = None
+    ray_direction: np.ndarray | None = None

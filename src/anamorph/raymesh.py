@@ -1,0 +1,41 @@
+"""The ray mesh: triangles in the picture, each vertex of which carries a ray into the scene."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import IntEnum
+
+import numpy as np
+
+
+class RayStatus(IntEnum):
+    """How a vertex got its ray."""
+
+    OK = 0
+    BACK_FACING = 1
+    TOTAL_REFLECTION = 2
+
+
+@dataclass(frozen=True, eq=False)
+class RayMesh:
+    """What a specular surface does to the eye's rays, or a nonlinear camera made by hand.
+
+    Parameters
+    ----------
+    picture : (V, 3) float64
+        Homogeneous picture coordinates (x w, y w, w): x, y in pixels from the top left. Weights linear in these
+        are linear on the surface in the world. A camera made by hand has w = 1.
+    origins : (V, 3) float64
+        Where each ray leaves, metres. Inside a triangle it is interpolated.
+    directions : (V, 3) float64
+        Unit vectors. Inside a triangle they are interpolated and normalised.
+    faces : (F, 3) int32
+    status : (V,) uint8
+        A `RayStatus` each.
+    """
+
+    picture: np.ndarray
+    origins: np.ndarray
+    directions: np.ndarray
+    faces: np.ndarray
+    status: np.ndarray

@@ -1,0 +1,79 @@
+"""The pinhole camera: an eye and where it looks."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+Vector = tuple[float, float, float]
+
+
+@dataclass(frozen=True)
+class Camera:
+    """A pinhole at `position`, looking at `target`.
+
+    Parameters
+    ----------
+    position, target : three floats
+        World points, metres.
+    up : three floats
+        The direction that points up in the picture; need not be perpendicular to the view.
+    field_of_view : float
+        Full vertical angle of the picture, degrees.
+    """
+
+    position: Vector
+    target: Vector
+    up: Vector = (0.0, 1.0, 0.0)
+    field_of_view: float = 40.0
+
+    def axes(self) -> np.ndarray:
+        """Rows: unit vectors to the right, up, and forward in world space, (3, 3) float64."""
+        forward = np.subtract(self.target, self.position)
+        forward = forward / np.linalg.norm(forward)
+        right = np.cross(forward, self.up)
+        right = right / np.linalg.norm(right)
+        return np.stack([right, np.cross(right, forward), forward])
+
+    def directions(self, pixels: np.ndarray, size: tuple[int, int]) -> np.ndarray:
+        """Unit ray directions through picture points.
+
+        Parameters
+        ----------
+        pixels : (..., 2) array
+            Picture points, in pixels from the top left corner: the first pixel's centre is (0.5, 0.5).
+        size : (width, height)
+
+        Returns
+        -------
+        (..., 3) float64
+        """
+        width, height = size
+        scale = 2.0 * np.tan(np.radians(self.field_of_view) / 2.0) / height
+        right, up, forward = self.axes()
+        x = (np.asarray(pixels)[..., 0] - width / 2.0) * scale
+        y = (height / 2.0 - np.asarray(pixels)[..., 1]) * scale
+        directions = x[..., None] * right + y[..., None] * up + forward
+        return directions / np.linalg.norm(directions, axis=-1, keepdims=True)
+
+    def clip_matrix(self, size: tuple[int, int], near: float, shift: tuple[float, float] = (0.0, 0.0)) -> np.ndarray:
+        """World to clip space, (4, 4) float64: depth 1 at distance `near`, 0 at infinity.
+
+        `shift` moves the picture's sample points by a fraction of a pixel, right and down.
+        """
+        width, height = size
+        right, up, forward = self.axes()
+        focal = 1.0 / np.tan(np.radians(self.field_of_view) / 2.0)
+        view = np.eye(4)
+        view[:3, :3] = np.stack([right, up, forward])
+        view[:3, 3] = -view[:3, :3] @ np.asarray(self.position)
+        projection = np.array(
+            [
+                [focal * height / width, 0.0, -2.0 * shift[0] / width, 0.0],
+                [0.0, focal, 2.0 * shift[1] / height, 0.0],
+                [0.0, 0.0, 0.0, near],
+                [0.0, 0.0, 1.0, 0.0],
+            ]
+        )
+        return projection @ view

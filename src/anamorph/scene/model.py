@@ -1,0 +1,157 @@
+"""What is there: meshes, materials, lights and sky, as frozen data.
+
+Arrays follow CONVENTIONS.md: metres, right-handed, y up, texture coordinates from the top left,
+linear colours but for textures, which are stored as 8-bit sRGB.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from anamorph.scene.camera import Camera
+from anamorph.scene.surfaces import Surface
+
+Color = tuple[float, float, float]
+WHITE: Color = (1.0, 1.0, 1.0)
+
+
+@dataclass(frozen=True, eq=False)
+class Texture:
+    """An image: `pixels` (H, W, 4) uint8, sRGB with linear alpha, row 0 on top, repeating."""
+
+    pixels: np.ndarray
+
+
+@dataclass(frozen=True, eq=False)
+class Diffuse:
+    """A matt material: linear `color`, multiplied by the texture and the vertex colours."""
+
+    color: Color = (0.8, 0.8, 0.8)
+    texture: Texture | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class Mirror:
+    """A polished metal: `tint` times Schlick's reflectance, which is `reflectance` at normal incidence.
+
+    The back of a mirror is matt, of linear colour `back`.
+    """
+
+    tint: Color = WHITE
+    reflectance: float = 0.9
+    back: Color = (0.02, 0.02, 0.02)
+
+
+@dataclass(frozen=True, eq=False)
+class Glass:
+    """A clear dielectric of refractive `index` inside, 1 outside; `tint` is applied at each crossing."""
+
+    index: float = 1.5
+    tint: Color = WHITE
+
+
+Material = Diffuse | Mirror | Glass
+
+
+@dataclass(frozen=True, eq=False)
+class Mesh:
+    """Triangles of one material: one object of the scene.
+
+    Parameters
+    ----------
+    name : str
+        What commands, scene files and messages call this part.
+    positions : (V, 3) float32
+        Vertices, metres.
+    faces : (F, 3) int32
+        Vertex indices, counter-clockwise seen from outside.
+    normals : (V, 3) float32
+        Unit normals, pointing outside.
+    material : Diffuse, Mirror or Glass
+    texcoords : (V, 2) float32, optional
+        (0, 0) is the top left of the texture.
+    colors : (V, 3) float32, optional
+        Linear vertex colours, multiplied into the diffuse colour.
+    surface : Surface, optional
+        The exact shape that the mesh approximates.
+    parameters : (V, 2) float64, optional
+        The (u, v) of each vertex on `surface`.
+    """
+
+    name: str
+    positions: np.ndarray
+    faces: np.ndarray
+    normals: np.ndarray
+    material: Material = field(default_factory=Diffuse)
+    texcoords: np.ndarray | None = None
+    colors: np.ndarray | None = None
+    surface: Surface | None = None
+    parameters: np.ndarray | None = None
+
+    @property
+    def specular(self) -> bool:
+        """Whether light goes on from this mesh (mirror or glass) and does not end there."""
+        return not isinstance(self.material, Diffuse)
+
+
+@dataclass(frozen=True)
+class DirectionalLight:
+    """Parallel light: unit vector `toward` the light, linear `color` (irradiance over pi)."""
+
+    toward: tuple[float, float, float]
+    color: Color = WHITE
+
+
+@dataclass(frozen=True)
+class PointLight:
+    """Light from `position` (metres): linear `color` at one metre, falling with the distance squared."""
+
+    position: tuple[float, float, float]
+    color: Color = WHITE
+
+
+@dataclass(frozen=True)
+class AmbientLight:
+    """Light from all around: `sky` from straight above, blending to `ground` from straight below."""
+
+    sky: Color = (0.5, 0.5, 0.5)
+    ground: Color = (0.5, 0.5, 0.5)
+
+
+Light = DirectionalLight | PointLight | AmbientLight
+
+
+@dataclass(frozen=True, eq=False)
+class Sky:
+    """What a ray that hits nothing sees.
+
+    Linear colours blend from `zenith` (straight up) to `horizon`, and to `nadir` (straight down).
+    An equirectangular `image` (its centre at -z, its left edge at +z, its top row straight up) replaces them.
+    """
+
+    zenith: Color = (0.25, 0.45, 0.85)
+    horizon: Color = (0.75, 0.85, 0.95)
+    nadir: Color = (0.35, 0.35, 0.35)
+    image: Texture | None = None
+
+
+DEFAULT_LIGHTS: tuple[Light, ...] = (
+    DirectionalLight(toward=(0.4, 0.8, 0.45), color=(0.85, 0.82, 0.75)),
+    AmbientLight(sky=(0.45, 0.5, 0.55), ground=(0.25, 0.23, 0.2)),
+)
+
+
+@dataclass(frozen=True, eq=False)
+class Scene:
+    """Meshes under lights and a sky, and the camera from which they are meant to be seen.
+
+    Mesh number i of `meshes` is object i + 1 in every frame; object 0 is the sky.
+    """
+
+    name: str
+    meshes: tuple[Mesh, ...]
+    camera: Camera
+    lights: tuple[Light, ...] = DEFAULT_LIGHTS
+    sky: Sky = field(default_factory=Sky)

@@ -1,0 +1,54 @@
+"""What a method is: a name, its options, and a session that draws frames.
+
+To add another: a module beside this one that ends in `METHOD = Method(...)`, its shader beside it under the same
+name, and a line in `methods/__init__.py`. The command line, the comparison and the tests find it in the registry.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any, Protocol
+
+from anamorph.frame import Frame, View
+from anamorph.scene.camera import Camera
+
+
+class Session(Protocol):
+    """One scene, size and set of options, ready to draw: everything that can be made once has been."""
+
+    def draw(self, camera: Camera, shift: tuple[float, float] = (0.0, 0.0)) -> None:
+        """Submit one frame; `shift` moves its sample points by a fraction of a pixel, right and down."""
+        ...
+
+    def wait(self) -> None:
+        """Return when every submitted frame is finished on the device."""
+        ...
+
+    def frame(self) -> Frame:
+        """Read the last frame back, with its seen buffers where the view asked for them."""
+        ...
+
+
+@dataclass(frozen=True)
+class Method:
+    """A registered method.
+
+    Parameters
+    ----------
+    name : str
+    summary : str
+        One line for lists.
+    source : str
+        The paper and sections it builds on.
+    options : type
+        A frozen dataclass whose fields have defaults and are bool, int, float or str.
+    open : callable
+        (View, options) -> Session.
+    """
+
+    name: str
+    summary: str
+    source: str
+    options: type
+    open: Callable[[View, Any], Session]

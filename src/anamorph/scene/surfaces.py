@@ -132,11 +132,11 @@ class BezierPatch:
         near = uv[still] + 1e-3 * inward[still]
         change[still] = np.cross(self.derivative(near, 1, 0), self.derivative(near, 0, 1))
         if not np.linalg.norm(change, axis=1).all():
-            raise AnamorphError("Bezier patch: control points collapse to a line, which has no normal; remove the patch")
+            raise AnamorphError("Bezier patch: control points collapse to a line; remove the patch")
         return change
 
 
 def _bernstein(t: np.ndarray, order: int) -> np.ndarray:
     """The four cubic Bernstein polynomials at `t` (N,), or their derivatives of `order`: (N, 4)."""
-    coefficients = np.array([[1.0, -3.0, 3.0, -1.0], [0.0, 3.0, -6.0, 3.0], [0.0, 0.0, 3.0, -3.0], [0.0, 0.0, 0.0, 1.0]])
-    return polyval(t, polyder(coefficients.T, order) if order else coefficients.T).T
+    powers = np.array([[1.0, 0.0, 0.0, 0.0], [-3.0, 3.0, 0.0, 0.0], [3.0, -6.0, 3.0, 0.0], [-1.0, 3.0, -3.0, 1.0]])
+    return polyval(t, polyder(powers, order) if order else powers).T

@@ -36,14 +36,15 @@ def reflector(mesh: Mesh) -> Reflector:
             f"mesh {mesh.name!r}: rays at vertices are there for mirrors only, refraction is not yet; use method raytrace"
         )
     if mesh.surface is not None and mesh.parameters is not None:
-        positions, normals = mesh.surface.position(mesh.parameters), mesh.surface.normal(mesh.parameters)
-    else:
-        positions, normals = np.asarray(mesh.positions, float), np.asarray(mesh.normals, float)
-        length = np.linalg.norm(normals, axis=1, keepdims=True)
-        if not length.all():
-            raise AnamorphError(f"mesh {mesh.name!r}: normals has a zero vector; give unit normals")
-        normals = normals / length
-    return Reflector(positions, normals, mesh.faces)
+        exact = mesh.surface.normal(mesh.parameters)
+        # The mesh says which side is the mirror: one cut from a sphere may be its inside.
+        turned = np.sum(exact * mesh.normals, axis=1, keepdims=True) < 0.0
+        return Reflector(mesh.surface.position(mesh.parameters), np.where(turned, -exact, exact), mesh.faces)
+    normals = np.asarray(mesh.normals, float)
+    length = np.linalg.norm(normals, axis=1, keepdims=True)
+    if not length.all():
+        raise AnamorphError(f"mesh {mesh.name!r}: normals has a zero vector; give unit normals")
+    return Reflector(np.asarray(mesh.positions, float), normals / length, mesh.faces)
 
 
 def reflected_rays(mirror: Reflector, camera: Camera, size: tuple[int, int]) -> RayMesh:

@@ -56,7 +56,8 @@ def whole_file(path: str | Path) -> Iterator[BinaryIO]:
             yield file
         os.replace(unfinished, path)
     except OSError as error:
-        raise AnamorphError(f"{path}: cannot be written ({error.strerror or error}); free space or choose another") from error
+        reason = error.strerror or error
+        raise AnamorphError(f"{path}: cannot be written ({reason}); free space or choose another") from error
     finally:
         unfinished.unlink(missing_ok=True)
 

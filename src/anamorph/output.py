@@ -7,7 +7,7 @@ import os
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import BinaryIO
+from typing import Any, BinaryIO
 
 import numpy as np
 from PIL import Image
@@ -81,16 +81,21 @@ def save_picture(path: str | Path, color: np.ndarray) -> None:
     if path.suffix.lower() == ".npy":
         save_array(path, color)
         return
+    encoded = pixel_bytes(to_pixels(color), path.suffix)
     with whole_file(path) as file:
-        file.write(picture_bytes(color, path.suffix))
+        file.write(encoded)
 
 
-def picture_bytes(color: np.ndarray, suffix: str = ".png") -> bytes:
-    """Linear colour (H, W, 3) as the bytes of an 8-bit sRGB picture file."""
+def to_pixels(color: np.ndarray) -> np.ndarray:
+    """Linear colour (H, W, 3) as 8-bit sRGB pixels (H, W, 3)."""
     if not np.isfinite(color).all():
         raise AnamorphError("the picture holds values that are not finite; please report the scene that made them")
-    pixels = np.round(255.0 * encode_srgb(color)).astype(np.uint8)
-    settings = {
+    return np.round(255.0 * encode_srgb(color)).astype(np.uint8)
+
+
+def pixel_bytes(pixels: np.ndarray, suffix: str = ".png") -> bytes:
+    """8-bit sRGB pixels (H, W, 3) as the bytes of a picture file."""
+    settings: dict[str, Any] = {
         ".png": {"format": "PNG"},
         ".jpg": {"format": "JPEG", "quality": 95, "subsampling": 0},
         ".jpeg": {"format": "JPEG", "quality": 95, "subsampling": 0},

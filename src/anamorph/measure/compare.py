@@ -12,7 +12,7 @@ from anamorph.gpu.device import adapter_name
 from anamorph.measure.errors import Errors, measure
 from anamorph.measure.timing import Timing, eye_path, time_in_turn
 from anamorph.methods import parse
-from anamorph.render import draw_frame
+from anamorph.methods.protocol import Session
 from anamorph.scene.model import Scene
 from anamorph.versions import versions
 
@@ -127,31 +127,26 @@ def compare(
     Comparison
     """
     names = tuple(dict.fromkeys((*specs, COMPETITOR)))
-    chosen = {name: parse(name) for name in names}
-    parse(truth)
+    chosen = {name: parse(name) for name in (*names, truth)}
     tell = progress or (lambda done, total, what: None)
     total = 2 * len(names) + 1
+    view = View(scene, scene.camera, size)
 
     tell(0, total, f"truth by {truth}")
-    view = View(scene, scene.camera, size, seen=True)
-    truth_frame = draw_frame(view, truth)
+    sessions = {name: method.open(view, options) for name, (method, options) in chosen.items()}
+    truth_frame = _frame(sessions[truth], view)
     drawn: dict[str, tuple[Frame, Errors]] = {}
     for step, name in enumerate(names, start=1):
         tell(step, total, f"errors of {name}")
-        frame = truth_frame if name == truth else draw_frame(view, name)
+        frame = truth_frame if name == truth else _frame(sessions[name], view)
         drawn[name] = frame, measure(truth_frame, frame)
 
-    timed_view = View(scene, scene.camera, size)
-    sessions = {name: method.open(timed_view, options) for name, (method, options) in chosen.items()}
-    tell(len(names) + 1, total, "frame times")
-    timings = time_in_turn(
-        sessions,
-        eye_path(scene.camera, frames),
-        frames,
-        progress=lambda done, rounds: tell(
-            len(names) + 1 + len(names) * done // rounds, total, f"frame times, round {done} of {rounds}"
-        ),
-    )
+    def tell_round(done: int, rounds: int) -> None:
+        step = len(names) + 1 + len(names) * done // rounds
+        tell(step, total, f"frame times, round {done} of {rounds}")
+
+    timed = {name: sessions[name] for name in names}
+    timings = time_in_turn(timed, eye_path(scene.camera, frames), frames, tell_round)
     return Comparison(
         scene=scene.name,
         size=size,
@@ -162,3 +157,8 @@ def compare(
         truth_frame=truth_frame,
         methods=tuple(MethodResult(name, *drawn[name], timings[name]) for name in names),
     )
+
+
+def _frame(session: Session, view: View) -> Frame:
+    session.draw(view.camera)
+    return session.frame(seen=True)

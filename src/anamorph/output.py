@@ -95,12 +95,9 @@ def to_pixels(color: np.ndarray) -> np.ndarray:
 
 def pixel_bytes(pixels: np.ndarray, suffix: str = ".png") -> bytes:
     """8-bit sRGB pixels (H, W, 3) as the bytes of a picture file."""
-    settings: dict[str, Any] = {
-        ".png": {"format": "PNG"},
-        ".jpg": {"format": "JPEG", "quality": 95, "subsampling": 0},
-        ".jpeg": {"format": "JPEG", "quality": 95, "subsampling": 0},
-        ".webp": {"format": "WEBP", "quality": 95},
-    }[suffix.lower()]
+    jpeg: dict[str, Any] = {"format": "JPEG", "quality": 95, "subsampling": 0}
+    webp: dict[str, Any] = {"format": "WEBP", "quality": 95}
+    settings = {".png": {"format": "PNG"}, ".jpg": jpeg, ".jpeg": jpeg, ".webp": webp}[suffix.lower()]
     file = io.BytesIO()
     Image.fromarray(pixels).save(file, **settings)
     return file.getvalue()

@@ -8,6 +8,5 @@ import warnings
 
 def hush() -> None:
     """Silence what libraries log and warn about themselves; what matters to a user arrives as an AnamorphError."""
-    for name in ("trimesh", "wgpu", "rendercanvas", "numba", "PIL"):
-        logging.getLogger(name).setLevel(logging.CRITICAL)
+    logging.disable(logging.CRITICAL)
     warnings.simplefilter("ignore")

@@ -1,7 +1,7 @@
 """How wrong a frame is: its errors against the truth, as figures and pixel by pixel.
 
-Only pixels that look at a specular surface in the truth, and have a last ray there, count. Those within one pixel of a silhouette in the truth
-are counted apart, because there a shift of any size shows another object.
+Only pixels that look at a specular surface in the truth, and have a last ray there, count. Those within one pixel of
+a silhouette in the truth are counted apart, because there a shift of any size shows another object.
 """
 
 from __future__ import annotations
@@ -78,13 +78,17 @@ class Errors:
 
 def measure(truth: Frame, frame: Frame) -> Errors:
     """Errors of `frame` against `truth`, which must carry its last rays; both need their seen buffers."""
-    _check(truth, frame)
-    specular = (truth.specular != 0) & (np.linalg.norm(truth.ray_direction, axis=-1) > 0.0)
-    silhouette = specular & silhouettes(truth.object_id, truth.specular)
+    true_color, color = _buffer("truth", truth, "color"), _buffer("frame", frame, "color")
+    if true_color.shape != color.shape:
+        raise AnamorphError(f"truth {true_color.shape} and frame {color.shape} differ in size; draw both at one size")
+    surface, true_object = _buffer("truth", truth, "specular"), _buffer("truth", truth, "object_id")
+    object_id, looks_at = _buffer("frame", frame, "object_id"), _buffer("frame", frame, "specular")
+    specular = (surface != 0) & (np.linalg.norm(_buffer("truth", truth, "ray_direction"), axis=-1) > 0.0)
+    silhouette = specular & silhouettes(true_object, surface)
     inside = specular & ~silhouette
-    other_object = inside & ((frame.object_id != truth.object_id) | (frame.specular == 0))
+    other_object = inside & ((object_id != true_object) | (looks_at == 0))
     angular, pixels = _geometry(truth, frame, specular)
-    colors = color_errors(truth.color, frame.color, specular)
+    colors = color_errors(true_color, color, specular)
     return Errors(
         angular_mrad=_statistics(angular[inside]),
         pixels=_statistics(pixels[inside]),
@@ -99,8 +103,8 @@ def measure(truth: Frame, frame: Frame) -> Errors:
 
 def silhouettes(*labels: np.ndarray) -> np.ndarray:
     """Pixels, (H, W) bool, with one of their eight neighbours different in any of the label pictures (H, W)."""
-    found = np.zeros(labels[0].shape, bool)
-    height, width = found.shape
+    height, width = labels[0].shape[:2]
+    found = np.zeros((height, width), bool)
     for label in labels:
         padded = np.pad(label, 1, mode="edge")
         for row in range(3):
@@ -111,17 +115,17 @@ def silhouettes(*labels: np.ndarray) -> np.ndarray:
 
 def _geometry(truth: Frame, frame: Frame, specular: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Angular errors in milliradians and errors in pixels, (H, W) each."""
-    origin, direction = np.asarray(truth.ray_origin, float), np.asarray(truth.ray_direction, float)
-    direction = normalized(direction)
-    toward = seen_directions(origin[specular], frame.position[specular], frame.object_id[specular])
+    origin = _buffer("truth", truth, "ray_origin").astype(float)
+    direction = normalized(_buffer("truth", truth, "ray_direction").astype(float))
+    position, object_id = _buffer("frame", frame, "position")[specular], _buffer("frame", frame, "object_id")[specular]
+    toward = seen_directions(origin[specular], position, object_id)
     angular = np.zeros(specular.shape)
     angular[specular] = 1000.0 * angles_between(direction[specular], toward)
 
-    along = np.einsum("ij,ij->i", frame.position[specular] - origin[specular], direction[specular])
-    sky_or_behind = (frame.object_id[specular] == 0) | (along <= 0.0)
+    along = np.einsum("ij,ij->i", position - origin[specular], direction[specular])
     distances = np.full(specular.shape, np.inf)
-    distances[specular] = np.where(sky_or_behind, np.inf, along)
-    footprints = ray_footprints(origin, direction, truth.specular, distances)
+    distances[specular] = np.where((object_id == 0) | (along <= 0.0), np.inf, along)
+    footprints = ray_footprints(origin, direction, _buffer("truth", truth, "specular"), distances)
     pixels = np.zeros(specular.shape)
     pixels[specular] = picture_distances(
         origin[specular],
@@ -129,7 +133,7 @@ def _geometry(truth: Frame, frame: Frame, specular: np.ndarray) -> tuple[np.ndar
         toward,
         distances[specular],
         footprints[specular],
-        limit=float(np.hypot(*specular.shape)),
+        limit=float(np.linalg.norm(specular.shape)),
     )
     return angular, pixels
 
@@ -145,17 +149,11 @@ def _percent(part: np.ndarray, whole: np.ndarray) -> float | None:
     return 100.0 * float(np.count_nonzero(part)) / np.count_nonzero(whole) if whole.any() else None
 
 
-def _check(truth: Frame, frame: Frame) -> None:
-    needed = {"truth": ("color", "position", "object_id", "specular", "ray_origin", "ray_direction")}
-    needed["frame"] = ("color", "position", "object_id", "specular")
-    for name, given in (("truth", truth), ("frame", frame)):
-        for field in needed[name]:
-            buffer = getattr(given, field)
-            if buffer is None:
-                raise AnamorphError(f"{name}: has no '{field}' buffer; draw it with seen=True")
-            if buffer.dtype.kind == "f" and not np.isfinite(buffer).all():
-                raise AnamorphError(f"{name}: '{field}' holds values that are not finite; it cannot be measured")
-    if truth.color.shape != frame.color.shape:
-        raise AnamorphError(
-            f"truth and frame differ in size: {truth.color.shape} and {frame.color.shape}; draw both at one size"
-        )
+def _buffer(name: str, frame: Frame, field: str) -> np.ndarray:
+    """One buffer of a frame that must be there, and finite."""
+    buffer = getattr(frame, field)
+    if buffer is None:
+        raise AnamorphError(f"{name}: has no '{field}' buffer; draw it with seen=True")
+    if buffer.dtype.kind == "f" and not np.isfinite(buffer).all():
+        raise AnamorphError(f"{name}: '{field}' holds values that are not finite; it cannot be measured")
+    return buffer

@@ -10,8 +10,11 @@ import numpy as np
 from anamorph.frame import Frame, Status
 from anamorph.measure.compare import COMPETITOR, Comparison, MethodResult
 
-NOTHING = "–"  # noqa: RUF001
+NOTHING = "-"
 """Stands where there is nothing to measure."""
+
+SMALLEST = 1e-5
+"""The least figure that is written out."""
 
 
 @dataclass(frozen=True)
@@ -24,11 +27,13 @@ class Row:
 
 
 def number(value: float | None) -> str:
-    """Three significant digits, with no exponent."""
+    """Three significant digits of a figure that is not negative, with no exponent and at most five decimals."""
     if value is None:
         return NOTHING
     if value == 0.0:
         return "0"
+    if value < SMALLEST:
+        return f"< {SMALLEST:.5f}"
     decimals = max(0, 2 - int(np.floor(np.log10(abs(value)))))
     return f"{value:,.{min(decimals, 5)}f}"
 
@@ -36,7 +41,7 @@ def number(value: float | None) -> str:
 def speed(comparison: Comparison, result: MethodResult) -> str:
     """How many times as fast as the competitor in the same run."""
     competitor = comparison.competitor
-    return NOTHING if competitor is None else f"{number(competitor.timing.median / result.timing.median)} x"
+    return NOTHING if competitor is None else number(competitor.timing.median / result.timing.median)
 
 
 ROWS = (

@@ -15,8 +15,8 @@ def comparison_table(comparison: Comparison) -> Table:
     width, height = comparison.size
     frames = max((result.timing.n for result in comparison.methods), default=0)
     table = Table(
-        title=f"{comparison.scene}, {width} x {height}, against {comparison.truth}",
-        caption=f"{comparison.adapter}; frame times over {frames} frames, the eye moving",
+        title=Text(f"{comparison.scene}, {width} x {height}, against {comparison.truth}"),
+        caption=Text(f"{comparison.adapter}; frame times over {frames} frames, the eye moving"),
         title_justify="left",
         caption_justify="left",
     )
@@ -34,5 +34,5 @@ def print_table(comparison: Comparison) -> None:
     console = Console(highlight=False)
     table = comparison_table(comparison)
     if not console.is_terminal:
-        console.width = max(80, console.measure(table).maximum)
+        console.width = max(80, Console(width=10_000).measure(table).maximum)
     console.print(table)

@@ -48,8 +48,8 @@ class SceneBuffers:
     Parameters
     ----------
     vertices, indices : buffers
-    first_face : (meshes + 1,) int64
-        Mesh i owns triangles first_face[i] to first_face[i + 1].
+    first_vertex, first_face : (meshes + 1,) int64
+        Mesh i owns vertices first_vertex[i] to first_vertex[i + 1], and triangles likewise.
     specular : tuple of int
         Indices of the meshes that are mirrors or glass.
     shading : bind group
@@ -58,6 +58,7 @@ class SceneBuffers:
 
     vertices: wgpu.GPUBuffer
     indices: wgpu.GPUBuffer
+    first_vertex: np.ndarray
     first_face: np.ndarray
     specular: tuple[int, ...]
     shading: wgpu.GPUBindGroup
@@ -94,6 +95,7 @@ def upload_scene(scene: Scene, geometry: Geometry) -> SceneBuffers:
     return SceneBuffers(
         vertices=storage_buffer(_vertices(geometry), wgpu.BufferUsage.VERTEX),
         indices=storage_buffer(geometry.faces.astype(np.uint32), wgpu.BufferUsage.INDEX),
+        first_vertex=geometry.first_vertex,
         first_face=geometry.first_face,
         specular=tuple(i for i, mesh in enumerate(scene.meshes) if mesh.specular),
         shading=device.create_bind_group(

@@ -159,6 +159,12 @@ def submit(encoder: wgpu.GPUCommandEncoder) -> None:
     get_device().queue.submit([encoder.finish()])
 
 
+@cache
+def _token() -> wgpu.GPUBuffer:
+    return get_device().create_buffer(size=4, usage=wgpu.BufferUsage.COPY_SRC | wgpu.BufferUsage.COPY_DST)
+
+
 def wait() -> None:
     """Return when the device has finished all that was submitted."""
-    get_device().queue.on_submitted_work_done_sync()
+    # Reading four bytes waits for all earlier work; wgpu 0.32's own call for this raises TypeError.
+    get_device().queue.read_buffer(_token())

@@ -12,8 +12,6 @@ from anamorph.scene.model import Texture
 MEMORY = 256 * 2**20
 """Bytes that the finest level of a scene's texture array may take."""
 
-MAXIMUM_ANISOTROPY = 8
-
 
 def srgb_to_linear(encoded: np.ndarray) -> np.ndarray:
     """Linear light of sRGB values in 0 to 1, of any shape."""
@@ -87,12 +85,11 @@ def sky_texture(image: Texture | None) -> wgpu.GPUTexture:
 
 
 def texture_sampler(vertical: str = "repeat") -> wgpu.GPUSampler:
-    """Repeats, blends between mip levels, and follows slanted footprints."""
+    """Repeats, and blends between texels and between mip levels."""
     return get_device().create_sampler(
         address_mode_u="repeat",
         address_mode_v=vertical,
         mag_filter="linear",
         min_filter="linear",
         mipmap_filter="linear",
-        max_anisotropy=MAXIMUM_ANISOTROPY,
     )

@@ -29,8 +29,10 @@ from anamorph.scene.geometry import Geometry, flatten
 class SpecularDrawing(Protocol):
     """How one method draws the specular meshes of a scene."""
 
-    replaced: tuple[int, ...]
-    """Indices of the meshes that this drawing draws itself."""
+    @property
+    def replaced(self) -> tuple[int, ...]:
+        """Indices of the meshes that this drawing draws itself, known once the frame is prepared."""
+        ...
 
     def prepare(self, encoder: wgpu.GPUCommandEncoder, camera: Camera, shift: tuple[float, float]) -> None:
         """Record whatever must be drawn or uploaded before the picture: maps, texture coordinates, hits."""

@@ -115,7 +115,7 @@ USAGE = {
     "size zero": (("render", "spheres", "-o", "a.png", "--size", "0x4"), "'0x4' has no pixels"),
     "size of words": (("render", "spheres", "-o", "a.png", "--size", "big"), "write it like 1024x768"),
     "negative size": (("render", "spheres", "-o", "a.png", "--size=-3x4"), "'-3x4' is no size"),
-    "no samples": (("render", "spheres", "-o", "a.png", "--samples", "0"), "from 1 to 64"),
+    "no samples": (("render", "spheres", "-o", "a.png", "--samples", "0"), "whole number from 1"),
     "unknown format": (("render", "spheres", "-o", "a.gif"), "end the name in .png"),
     "no format": (("render", "spheres", "-o", "a"), "end the name in .png"),
     "no directory": (("render", "spheres", "-o", "no/a.png"), "no/a.png: there is no directory"),

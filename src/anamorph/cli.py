@@ -164,8 +164,8 @@ def _size(text: str) -> tuple[int, int]:
 
 
 def _samples(text: str) -> int:
-    if not (text.isascii() and text.isdigit() and 1 <= int(text) <= 64):
-        raise argparse.ArgumentTypeError(f"'{text}' is no number of samples; write a whole number from 1 to 64")
+    if not (text.isascii() and text.isdigit() and int(text) > 0):
+        raise argparse.ArgumentTypeError(f"'{text}' is no number of samples; write a whole number from 1")
     return int(text)
 
 

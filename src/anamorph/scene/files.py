@@ -36,6 +36,16 @@ def read(path: Path, what: str) -> bytes:
         raise AnamorphError(f"{path}: this {what} cannot be read ({error.strerror}); check its permissions") from None
 
 
+def as_utf8(data: bytes) -> bytes:
+    """Text in UTF-8, from text in UTF-8, UTF-16 with its byte order mark, or else Latin-1."""
+    if data[:2] in (b"\xff\xfe", b"\xfe\xff"):
+        return data.decode("utf-16", errors="replace").encode()
+    try:
+        return data.decode("utf-8-sig").encode()
+    except UnicodeDecodeError:
+        return data.decode("latin-1").encode()
+
+
 def to_texture(image: Image.Image, name: str) -> Texture:
     """A texture from an image of any kind; `name` is for messages. Sixteen bits are rounded to eight."""
     try:
@@ -83,7 +93,7 @@ class Folder(Resolver):
                 data = read(path, "file")
                 if path.suffix.lower() in IMAGES:
                     to_texture(_opened(data, str(path)), str(path))
-                return data
+                return as_utf8(data) if path.suffix.lower() == ".mtl" else data
         raise AnamorphError(
             f"{self.model}: names the file '{name}', which is not there; put it beside the model, or remove the name"
         )

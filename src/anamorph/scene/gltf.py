@@ -55,6 +55,8 @@ def read_gltf(data: bytes, path: Path) -> Gltf:
         for kind in ("materials", "nodes"):
             for number, entry in enumerate(header.get(kind, [])):
                 entry["name"] = str(number)
+    except AnamorphError:
+        raise
     except (AttributeError, IndexError, KeyError, TypeError, ValueError) as error:
         raise AnamorphError(f"{path}: its glTF header is damaged ({error!r}); export it again") from None
     return Gltf(_joined(header, rest, glb), materials, nodes)
@@ -89,7 +91,8 @@ def _joined(header: dict[str, Any], rest: bytes, glb: bool) -> bytes:
 def _refuse_unknown_extensions(header: dict[str, Any], path: Path) -> None:
     for name in header.get("extensionsRequired", []):
         if not name.startswith(UNDERSTOOD):
-            raise AnamorphError(f"{path}: needs the glTF extension {name}; export it without (compression off)")
+            remedy = "without compression" if "compression" in name else "without it"
+            raise AnamorphError(f"{path}: needs the glTF extension {name}; export it again {remedy}")
 
 
 def _base_color(material: dict[str, Any]) -> tuple[list[float], dict[str, Any] | None]:

@@ -1,14 +1,13 @@
 """Model files (glTF, GLB, OBJ, STL, PLY) as meshes, read through trimesh.
 
-Lengths are taken as they are (glTF's are metres) unless a scale is given. Axes too: y should be up. Colours: a glTF
-factor or vertex colour is linear; bytes in PLY, STL and OBJ files and an MTL file's Kd are what the programs that
-wrote them showed on a screen, so they are taken as sRGB. Alpha is ignored: everything is opaque.
+Lengths are taken as they are (glTF's are metres) unless a scale is given. Axes too: y should be up.
 """
 
 from __future__ import annotations
 
 import io
 import logging
+import re
 import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -21,10 +20,14 @@ import trimesh
 
 from anamorph.errors import AnamorphError
 from anamorph.scene.checks import check_triangles
-from anamorph.scene.files import Folder, nearest, read, to_texture
+from anamorph.scene.files import Folder, as_utf8, nearest, read
 from anamorph.scene.gltf import Gltf, read_gltf
-from anamorph.scene.model import WHITE, Color, Diffuse, Mesh, Texture
+from anamorph.scene.looks import look
+from anamorph.scene.model import Mesh, Texture
 from anamorph.scene.normals import creased, has_area, smooth_normals
+
+UNNAMED = re.compile(r"^geometry(_\d+)?$")
+"""What trimesh calls a mesh that has no name."""
 
 SUFFIXES = (".glb", ".gltf", ".obj", ".stl", ".ply")
 
@@ -60,6 +63,7 @@ def load_parts(path: str | Path, scale: float = 1.0) -> tuple[Part, ...]:
     if not (np.isfinite(scale) and scale > 0):
         raise AnamorphError(f"{path}: scale is {scale}; give a positive number of metres for one unit")
     data = read(path, "model file")
+    data = as_utf8(data) if suffix == ".obj" else data
     gltf = read_gltf(data, path) if suffix in (".glb", ".gltf") else None
     scene = _parse(gltf.data if gltf else data, path)
     textures: dict[int, Texture] = {}
@@ -90,16 +94,17 @@ def _parse(data: bytes, path: Path) -> trimesh.Scene:
     folder = Folder(path)
     kind = path.suffix.lower()[1:]
     options: dict[str, Any] = {"split_objects": True} if kind == "obj" else {}
+    damage = None
+    scene = trimesh.Scene()
     try:
         with _quiet():
             scene = trimesh.load_scene(io.BytesIO(data), file_type=kind, resolver=folder, process=False, **options)
     # Damage of every kind surfaces in the parser as an error of some kind.
     except Exception as error:
-        if folder.complaint is None:
-            said = (str(error).splitlines() or [""])[0][:120]
-            raise AnamorphError(f"{path}: is damaged or no {kind.upper()} file ({said}); export it again") from None
-    if folder.complaint is not None:
-        raise folder.complaint
+        said = (str(error).splitlines() or [""])[0][:120] or type(error).__name__
+        damage = AnamorphError(f"{path}: is damaged or no {kind.upper()} file ({said}); export it again")
+    if complaint := folder.complaint or damage:
+        raise complaint
     return scene
 
 
@@ -114,7 +119,7 @@ def _placed(scene: trimesh.Scene, path: Path, gltf: Gltf | None) -> list[tuple[s
                 # trimesh gives each primitive of a mesh a child node of its own, under a random name.
                 number = node if node.isdigit() else scene.graph.transforms.parents.get(node, "")
                 named = gltf is not None and number.isdigit()
-                name = gltf.nodes[int(number)] if gltf and named else path.stem if geometry == "geometry" else geometry
+                name = gltf.nodes[int(number)] if gltf and named else UNNAMED.sub(path.stem, geometry)
                 place = int(number) if named else -order[geometry]
                 placed.append((place, order[geometry], name, scene.geometry[geometry], matrix))
     return [entry[2:] for entry in sorted(placed, key=lambda entry: entry[:2])]
@@ -133,9 +138,9 @@ def _part(
     # Whether the file itself brought normals shows only in trimesh's cache: asking for them computes them.
     cache = geometry._cache
     normals = np.asarray(cache["vertex_normals"], float) if "vertex_normals" in cache else None
-    material, material_name, texcoords, colors = _look(where, geometry, gltf, textures)
+    material, material_name, texcoords, colors = look(where, geometry, gltf, textures)
     if geometry.visual.kind == "face":
-        colors = np.repeat(_linear(np.asarray(geometry.visual.face_colors)[:, :3] / 255.0), 3, axis=0)
+        # One colour a face: each face gets vertices of its own, and `look` has given each of them its colour.
         positions, normals = positions[faces].reshape(-1, 3), None if normals is None else normals[faces].reshape(-1, 3)
         faces = np.arange(len(positions)).reshape(-1, 3)
 
@@ -189,59 +194,6 @@ def _repaired(normals: np.ndarray, positions: np.ndarray, faces: np.ndarray) -> 
         normals = np.where(broken[:, None], smooth, normals)
         lengths = np.linalg.norm(normals, axis=1)
     return normals / lengths[:, None]
-
-
-def _look(
-    where: str, geometry: Any, gltf: Gltf | None, textures: dict[int, Texture]
-) -> tuple[Diffuse, str, np.ndarray | None, np.ndarray | None]:
-    """Material, its name, texture coordinates (V, 2) from the top left, and linear vertex colours (V, 3)."""
-    visual, count = geometry.visual, len(geometry.vertices)
-    if visual.kind == "vertex":
-        colors = np.asarray(visual.vertex_colors)[:, :3] / 255.0
-        return Diffuse(WHITE), "", None, colors if gltf else _linear(colors)
-    if visual.kind != "texture":
-        return Diffuse(WHITE) if visual.kind == "face" else Diffuse(), "", None, None
-
-    texcoords = None if visual.uv is None else np.asarray(visual.uv, float)[:, :2] * (1.0, -1.0) + (0.0, 1.0)
-    attribute = visual.vertex_attributes.get("color") if gltf else None
-    colors = None if attribute is None or len(attribute) != count else _fractions(np.asarray(attribute)[:, :3])
-    if gltf and visual.material.name:
-        known = gltf.materials[int(visual.material.name)]
-        image, color, name = visual.material.baseColorTexture, known.color, known.name
-        if known.textured and image is None:
-            raise AnamorphError(f"{where}: the image of material '{name}' is missing or damaged; export it again")
-        if texcoords is not None:
-            texcoords = texcoords @ known.transform[:2, :2].T + known.transform[:2, 2]
-    else:
-        image, color, name = _simple(visual.material)
-    if image is None or texcoords is None or not np.isfinite(texcoords).all():
-        return Diffuse(color), name, None, colors
-    if id(image) not in textures:
-        textures[id(image)] = to_texture(image, f"{where}: material '{name}'")
-    return Diffuse(color, textures[id(image)]), name, texcoords, colors
-
-
-def _simple(material: Any) -> tuple[Any, Color, str]:
-    """Image, linear colour and name of a material of an OBJ or PLY file."""
-    image = getattr(material, "image", None)
-    # Where the file names no image, trimesh puts a grey one of its own, which has no file format.
-    image = None if getattr(image, "format", None) is None else image
-    shade = material.kwargs.get("kd") if hasattr(material, "kwargs") else None
-    if np.shape(shade) != (3,) or not np.isfinite(shade).all():
-        return image, WHITE if image else Diffuse().color, str(material.name or "")
-    red, green, blue = _linear(np.clip(shade, 0.0, 1.0))
-    return image, (float(red), float(green), float(blue)), str(material.name or "")
-
-
-def _fractions(values: np.ndarray) -> np.ndarray:
-    """Numbers in 0 to 1 from floats, or from unsigned integers that stand for them."""
-    return values / np.iinfo(values.dtype).max if values.dtype.kind == "u" else np.clip(values, 0.0, 1.0)
-
-
-def _linear(srgb: np.ndarray) -> np.ndarray:
-    """Linear Rec. 709 from sRGB (IEC 61966-2-1), both 0 to 1."""
-    srgb = np.asarray(srgb, float)
-    return np.where(srgb <= 0.04045, srgb / 12.92, ((srgb + 0.055) / 1.055) ** 2.4)
 
 
 def _uniquely_named(parts: list[Part]) -> tuple[Part, ...]:

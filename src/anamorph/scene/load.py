@@ -24,7 +24,7 @@ from anamorph.scene.files import Folder, as_utf8, nearest, read
 from anamorph.scene.gltf import Gltf, read_gltf
 from anamorph.scene.looks import look
 from anamorph.scene.model import Mesh, Texture
-from anamorph.scene.normals import creased, has_area, smooth_normals
+from anamorph.scene.normals import creased, has_area, repaired
 
 UNNAMED = re.compile(r"^geometry(_\d+)?$")
 """What trimesh calls a mesh that has no name."""
@@ -159,7 +159,7 @@ def _part(
         copies, faces, normals = creased(positions[source], faces)
         source = source[copies]
     else:
-        normals = _repaired(normals[source], positions[source], faces)
+        normals = repaired(normals[source], positions[source], faces)
     mesh = Mesh(
         name=name,
         positions=positions[source].astype(np.float32),
@@ -178,22 +178,6 @@ def _cofactors(matrix: np.ndarray) -> np.ndarray:
     sign = 1.0 if np.linalg.det(matrix) >= 0 else -1.0
     rows = [np.cross(matrix[(row + 1) % 3], matrix[(row + 2) % 3]) for row in range(3)]
     return sign * np.stack(rows)
-
-
-def _repaired(normals: np.ndarray, positions: np.ndarray, faces: np.ndarray) -> np.ndarray:
-    """Unit normals; where the file's has no direction, that of the faces around, or of one of them."""
-    lengths = np.linalg.norm(normals, axis=1)
-    broken = ~(np.isfinite(lengths) & (lengths > 0))
-    if broken.any():
-        # One face decides where the faces around a vertex cancel each other out.
-        corners = positions[faces]
-        one_face = np.zeros_like(normals)
-        one_face[faces] = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])[:, None]
-        smooth = smooth_normals(positions, faces)
-        smooth[~smooth.any(axis=1)] = one_face[~smooth.any(axis=1)]
-        normals = np.where(broken[:, None], smooth, normals)
-        lengths = np.linalg.norm(normals, axis=1)
-    return normals / lengths[:, None]
 
 
 def _uniquely_named(parts: list[Part]) -> tuple[Part, ...]:

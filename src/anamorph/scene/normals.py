@@ -50,11 +50,28 @@ def smooth_normals(positions: np.ndarray, faces: np.ndarray) -> np.ndarray:
     return np.divide(normals, length, out=np.zeros_like(normals), where=length > 1e-6)
 
 
+def repaired(normals: np.ndarray, positions: np.ndarray, faces: np.ndarray) -> np.ndarray:
+    """Unit normals, (V, 3) float64: where one has no direction, that of the faces around the vertex.
+
+    Every vertex must have a face with an area; where its faces cancel each other out, one of them decides.
+    """
+    lengths = np.linalg.norm(normals, axis=1)
+    broken = ~(np.isfinite(lengths) & (lengths > 0))
+    if broken.any():
+        around = smooth_normals(positions, faces)
+        one_face = np.zeros_like(around)
+        one_face[faces] = doubled_areas(positions, faces)[:, None]
+        around = np.where(around.any(axis=1, keepdims=True), around, one_face)
+        normals = np.where(broken[:, None], around, normals)
+        lengths = np.linalg.norm(normals, axis=1)
+    return normals / lengths[:, None]
+
+
 def creased(positions: np.ndarray, faces: np.ndarray, crease: float = CREASE) -> tuple[np.ndarray, ...]:
     """Split vertices along sharp edges, and give normals that are smooth everywhere else.
 
     Vertices at one place count as one, so that triangle soup and texture seams come out smooth. Linear in the
-    number of triangles, however many meet at a vertex.
+    number of triangles, however many meet at a vertex. Every triangle must have an area.
 
     Parameters
     ----------
@@ -75,14 +92,11 @@ def creased(positions: np.ndarray, faces: np.ndarray, crease: float = CREASE) ->
     _, place = np.unique(np.asarray(positions), axis=0, return_inverse=True)
     place = place.reshape(-1)[faces]
     group = _smooth_corners(place, doubled_areas(positions, faces), crease)
-    grouped = smooth_normals(_first_of(group, np.asarray(positions, float)[faces.reshape(-1)]), group.reshape(-1, 3))
+    _, first = np.unique(group, return_index=True)
+    points, triangles = np.asarray(positions, float)[faces.reshape(-1)][first], group.reshape(-1, 3)
+    grouped = repaired(smooth_normals(points, triangles), points, triangles)
     key, copies = np.unique(np.stack([faces.reshape(-1), group], axis=1), axis=0, return_inverse=True)
     return key[:, 0], copies.reshape(-1, 3), grouped[key[:, 1]]
-
-
-def _first_of(group: np.ndarray, values: np.ndarray) -> np.ndarray:
-    _, first = np.unique(group, return_index=True)
-    return values[first]
 
 
 def _smooth_corners(place: np.ndarray, area: np.ndarray, crease: float) -> np.ndarray:

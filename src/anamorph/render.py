@@ -1,0 +1,68 @@
+"""From a view and a method to a frame."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from anamorph.errors import AnamorphError
+from anamorph.frame import Frame, View
+from anamorph.methods import make_options, parse
+from anamorph.scene.camera import Camera
+from anamorph.scene.model import Scene
+
+
+def draw_frame(view: View, specification: str, seen: bool = False) -> Frame:
+    """Draw one frame of `view` by the method and options that `specification` names."""
+    method, options = parse(specification)
+    return _draw(view, method.open(view, options), seen)
+
+
+def _draw(view, session, seen: bool) -> Frame:
+    if view.samples < 1:
+        raise AnamorphError(f"samples is {view.samples}; give 1 or more a side")
+    steps = (np.arange(view.samples) + 0.5) / view.samples - 0.5
+    total = np.zeros((view.size[1], view.size[0], 3))
+    for y in steps:
+        for x in steps:
+            session.draw(view.camera, (float(x), float(y)))
+            total += session.frame().color
+    color = (total / view.samples**2).astype(np.float32)
+    if not seen:
+        return Frame(color)
+    if view.samples > 1:
+        session.draw(view.camera)
+    return dataclasses.replace(session.frame(seen=True), color=color)
+
+
+def render(
+    scene: Scene | str,
+    method: str = "pervertex",
+    camera: Camera | None = None,
+    size: tuple[int, int] | None = None,
+    samples: int = 1,
+    seen: bool = False,
+    **options,
+) -> Frame:
+    """Draw a scene.
+
+    Parameters
+    ----------
+    scene : Scene or str
+        A scene, the name of a built-in one, or the path of a scene file or a model file.
+    method : str
+        "name" or "name:option=value,…".
+    camera : Camera, optional
+        The scene's own by default.
+    size : (width, height), optional
+        Pixels; 1024 x 768 unless a scene file says otherwise.
+    samples : int
+        The picture averages samples x samples a pixel.
+    seen : bool
+        Whether the frame carries its seen buffers.
+    **options
+        Options of the method, by name.
+
+    Returns
+    -------
+    Frame
+    """

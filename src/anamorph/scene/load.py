@@ -9,7 +9,7 @@ import io
 import logging
 import re
 import warnings
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -74,7 +74,7 @@ def load_parts(path: str | Path, scale: float = 1.0) -> tuple[Part, ...]:
     kept = [part for part in parts if part is not None]
     if not kept:
         raise AnamorphError(f"{path}: has no triangles with an area; give a model with faces, not points or lines")
-    return _uniquely_named(kept)
+    return uniquely_named(kept)
 
 
 @contextmanager
@@ -180,7 +180,7 @@ def _cofactors(matrix: np.ndarray) -> np.ndarray:
     return sign * np.stack(rows)
 
 
-def _uniquely_named(parts: list[Part]) -> tuple[Part, ...]:
+def uniquely_named(parts: Iterable[Part]) -> tuple[Part, ...]:
     """Give every part a name of its own: the second 'wheel' is 'wheel-2'."""
     taken: set[str] = set()
     named = []

@@ -74,7 +74,9 @@ def _mirror(center: np.ndarray, outward: np.ndarray, unit: float) -> Mesh:
     parameters = np.stack(np.meshgrid(columns, rows), axis=-1).reshape(-1, 2)
     first = np.add.outer(np.arange(len(rows) - 1) * len(columns), np.arange(len(columns) - 1)).reshape(-1, 1)
     across, above = 1, len(columns)
-    faces = np.concatenate([first + [0, across, across + above], first + [0, across + above, above]])
+    faces = np.concatenate(
+        [first + np.array([0, across, across + above]), first + np.array([0, across + above, above])]
+    )
     return Mesh(
         name="mirror",
         positions=sphere.position(parameters).astype(np.float32),

@@ -7,6 +7,8 @@ from dataclasses import dataclass, replace
 from fnmatch import fnmatchcase
 from pathlib import Path
 
+import numpy as np
+
 from anamorph.errors import AnamorphError
 from anamorph.scene import builtin
 from anamorph.scene.camera import Camera
@@ -81,7 +83,7 @@ def _similarity(table: Table) -> Similarity:
     if scale <= 0:
         table.wrong("scale", f"scale is {scale:g}; give a positive number")
     degrees = table.vector("rotate", (0.0, 0.0, 0.0))
-    return Similarity(scale, rotation(degrees), table.vector("translate", (0.0, 0.0, 0.0)))
+    return Similarity(scale, rotation(degrees), np.array(table.vector("translate", (0.0, 0.0, 0.0))))
 
 
 def _model(table: Table) -> list[Part]:

@@ -1,0 +1,264 @@
+"""A street of a town along z: road, pavements, houses with shops, trees, lamps and cars."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+from anamorph.scene.builtin import town_textures as wear
+from anamorph.scene.builtin.car import number_plates, saloon
+from anamorph.scene.builtin.shapes import Shape, box, creased, cylinder, grid, icosphere, join, lathe
+from anamorph.scene.builtin.textures import leaves
+from anamorph.scene.model import Color, Diffuse, Mesh
+
+KERB = wear.ROAD_WIDTH / 2
+HOUSES = 8.5
+PAVEMENT_HEIGHT = 0.12
+SHOP_HEIGHT = 3.2
+STOREY = 3.2
+MODULE = 6.0
+STREET = (-72.0, 156.0)
+ROAD_END = (-144.0, 408.0)
+CROSSINGS = (-13.0, 23.0)
+
+# x, z, degrees turned from driving toward -z, paint
+CARS: tuple[tuple[float, float, float, Color], ...] = (
+    (1.45, 16.5, 0.0, (0.62, 0.63, 0.65)),
+    (1.9, 37.0, 0.0, (0.04, 0.10, 0.34)),
+    (-1.75, 34.0, 180.0, (0.55, 0.40, 0.05)),
+    (-4.5, 15.0, 180.0, (0.05, 0.22, 0.13)),
+    (-4.5, 45.0, 178.0, (0.70, 0.69, 0.66)),
+    (-4.5, -8.6, 180.0, (0.42, 0.05, 0.04)),
+    (4.5, 27.0 + 6.0, 1.0, (0.30, 0.32, 0.35)),
+)
+TREES = ((-6.2, 20.0), (-6.3, 38.0), (-6.2, 56.0), (-6.2, -11.5), (6.3, 12.0), (6.2, 30.0), (6.2, 48.0), (-6.2, 92.0))
+LAMPS = ((-5.9, 29.0), (5.9, 20.0), (-5.9, 65.0), (5.9, 56.0), (-5.9, -3.0), (5.9, -15.0))
+
+
+def town() -> list[Mesh]:
+    """Every mesh of the street."""
+    return [*ground(), *houses(), *trees(), *lamps(), *cars()]
+
+
+def road_piece(start: float, end: float) -> Shape:
+    """The road between two z, its texture fixed to the world."""
+    image = (0.0, start / wear.ROAD_TILE, 1.0, end / wear.ROAD_TILE)
+    rows = max(1, round((end - start) / wear.ROAD_TILE))
+    return grid((-KERB, 0, end), (wear.ROAD_WIDTH, 0, 0), (0, 0, start - end), (2, rows), image)
+
+
+def shadow(x: float, z: float, half_width: float, half_length: float, surface: Callable[[np.ndarray], Shape]) -> Shape:
+    """A soft dark patch just above a ground, of the ground's own texture, so that its border does not show."""
+    patch = surface(np.array([x - half_width, z - half_length, x + half_width, z + half_length]))
+    across = np.clip(1 - ((patch.positions[:, 0] - x) / half_width) ** 2, 0, 1)
+    along = np.clip(1 - ((patch.positions[:, 2] - z) / half_length) ** 2, 0, 1)
+    dark = 1 - 0.72 * np.sqrt(across * along)
+    return Shape(patch.positions, patch.normals, patch.texcoords, dark[:, None] * np.ones(3), patch.faces)
+
+
+def road_patch(bounds: np.ndarray) -> Shape:
+    left, near, right, far = bounds
+    u, v = (np.array([left, right]) + KERB) / wear.ROAD_WIDTH, np.array([near, far]) / wear.ROAD_TILE
+    return grid((left, 0.008, far), (right - left, 0, 0), (0, 0, near - far), (4, 6), (u[0], v[0], u[1], v[1]))
+
+
+def pavement_patch(bounds: np.ndarray) -> Shape:
+    left, near, right, far = bounds
+    image = (left / 2, near / 2, right / 2, far / 2)
+    corner = (left, PAVEMENT_HEIGHT + 0.008, far)
+    return grid(corner, (right - left, 0, 0), (0, 0, near - far), (4, 4), image)
+
+
+def ground() -> list[Mesh]:
+    """Road with its crossings, pavements with their kerbs, meadows and hills."""
+    asphalt, slabs = Diffuse(texture=wear.road(), color=(1, 1, 1)), Diffuse(texture=wear.pavement(), color=(1, 1, 1))
+    ends = [ROAD_END[0], *(end for z in CROSSINGS for end in (z, z + wear.CROSSING_LENGTH)), ROAD_END[1]]
+    pieces = [road_piece(start, end) for start, end in zip(ends[::2], ends[1::2], strict=True)]
+    stripes = [
+        grid((-KERB, 0, z + wear.CROSSING_LENGTH), (2 * KERB, 0, 0), (0, 0, -wear.CROSSING_LENGTH), (2, 1))
+        for z in CROSSINGS
+    ]
+    meshes = [
+        join(pieces).mesh("road", asphalt),
+        join(stripes).mesh("crossing", Diffuse(texture=wear.crossing(), color=(1, 1, 1))),
+    ]
+    start, end = STREET
+    for side, name in ((-1, "left"), (1, "right")):
+        inner, outer = sorted((side * KERB, side * (HOUSES + 0.3)))
+        top = grid(
+            (inner, PAVEMENT_HEIGHT, end),
+            (outer - inner, 0, 0),
+            (0, 0, start - end),
+            (1, 12),
+            (inner / 2, start / 2, outer / 2, end / 2),
+        )
+        meshes.append(top.mesh(f"pavement-{name}", slabs))
+        low, high = sorted((side * KERB, side * (KERB + 0.1)))
+        kerb = box((low, -0.02, start), (high, PAVEMENT_HEIGHT, end), "-x+z-z" if side > 0 else "+x+z-z")
+        meshes.append(kerb.mesh(f"kerb-{name}", Diffuse(color=(0.42, 0.41, 0.39))))
+    meadow = grid((-700, -0.06, 700), (1400, 0, 0), (0, 0, -1400), (4, 4), (0, 0, 175, 175))
+    meshes.append(meadow.mesh("meadow", Diffuse(texture=wear.meadow(), color=(1, 1, 1))))
+    return [*meshes, hills()]
+
+
+def hills() -> Mesh:
+    """Distant hills all around the town."""
+    count = 36
+    angle = np.arange(count) * 2 * np.pi / count
+    height = 24 + 9 * np.sin(3 * angle + 1) + 6 * np.sin(7 * angle) + 3 * np.sin(11 * angle + 2)
+    around = np.stack([np.cos(angle), np.zeros(count), -np.sin(angle)], axis=-1)
+    rings = np.stack([640 * around + np.outer(height, (0, 1, 0)), 600 * around + (0, -1, 0)])
+    faces = creased(rings.reshape(-1, 3), _ring_faces(count), 60.0)
+    return faces.painted((0.22, 0.30, 0.26)).mesh("hills", Diffuse(color=(1, 1, 1)))
+
+
+def _ring_faces(count: int) -> np.ndarray:
+    one = np.arange(count)
+    after = (one + 1) % count
+    return np.concatenate([np.stack([one, after, one + count], 1), np.stack([after, after + count, one + count], 1)])
+
+
+def houses() -> list[Mesh]:
+    """Two rows of houses, with lanes between some of them."""
+    styles = [
+        Diffuse(texture=wear.facade((148, 84, 64), (206, 198, 180), 21, bricks=True), color=(1, 1, 1)),
+        Diffuse(texture=wear.facade((214, 198, 160), (236, 232, 220), 22, bricks=False), color=(1, 1, 1)),
+        Diffuse(texture=wear.facade((150, 160, 158), (222, 222, 214), 23, bricks=False), color=(1, 1, 1)),
+        Diffuse(texture=wear.facade((176, 152, 120), (224, 214, 194), 24, bricks=True), color=(1, 1, 1)),
+    ]
+    shops = Diffuse(texture=wear.shop_fronts(), color=(1, 1, 1))
+    tiles = Diffuse(texture=wear.roof_tiles(), color=(1, 1, 1))
+    boards = Diffuse(texture=wear.signs(), color=(1, 1, 1))
+    generator = np.random.default_rng(2007)
+    meshes: list[Mesh] = []
+    shop = 0
+    for side, name, seam in ((-1, "left", 3), (1, "right", 1)):
+        z, number = STREET[0] + 2.0, 0
+        while z < STREET[1] - 20.0:
+            modules, storeys = int(generator.integers(2, 4)), int(generator.integers(1, 5))
+            style = styles[(number * 3 + seam + int(generator.integers(2))) % len(styles)]
+            width = modules * MODULE
+
+            def placed(shape: Shape, z: float = z, width: float = width, side: int = side) -> Shape:
+                if side < 0:
+                    return shape.turned(90.0).moved(-HOUSES, 0, z + width)
+                return shape.turned(-90.0).moved(HOUSES, 0, z)
+
+            part = f"house-{name}-{number}"
+            meshes.append(placed(walls(modules, storeys)).mesh(f"{part}/walls", style))
+            meshes.append(placed(shop_row(modules, shop)).mesh(f"{part}/shops", shops))
+            meshes.append(placed(roof(modules, storeys)).mesh(f"{part}/roof", tiles))
+            hung = sign((shop + number) % len(wear.SIGNS)).moved(MODULE * (1 + number % 2), 0, 0)
+            meshes.append(placed(hung).mesh(f"{part}/sign", boards))
+            shop += modules
+            number += 1
+            z += width + (4.0 if number % 4 == 3 else 0.0)
+    return meshes
+
+
+def walls(modules: int, storeys: int) -> Shape:
+    """The upper storeys of a house whose front faces +z, from x = 0, with its ledges, sides, back and gables."""
+    width, depth, foot = modules * MODULE, 10.0, PAVEMENT_HEIGHT + SHOP_HEIGHT
+    top = foot + storeys * STOREY
+    front = grid((0, foot, 0), (width, 0, 0), (0, top - foot, 0), (modules, storeys), (0, 0, modules, storeys / 2))
+    shade = np.where(front.positions[:, 1] < foot + 0.1, 0.78, 1.0) * np.where(front.positions[:, 1] > top - 0.1, 0.8, 1)
+    parts = [Shape(front.positions, front.normals, front.texcoords, shade[:, None] * np.ones(3), front.faces)]
+    plain, trim = (0.44, 0.3, 0.56, 0.7), (0.44, 0.465, 0.56, 0.480)
+    parts.append(grid((width, 0, 0), (0, 0, -depth), (0, top, 0), image=plain))
+    parts.append(grid((0, 0, -depth), (0, 0, depth), (0, top, 0), image=plain))
+    parts.append(grid((width, 0, -depth), (-width, 0, 0), (0, top, 0), image=plain))
+    ridge = np.array([[0, top, 0], [0, top + 3.0, -depth / 2], [0, top, -depth]], float)
+    corner = np.array([[0.44, 0.7], [0.5, 0.3], [0.56, 0.7]])
+    parts.append(creased(ridge, np.array([[0, 1, 2]]), texcoords=corner))
+    parts.append(creased(ridge + (width, 0, 0), np.array([[0, 2, 1]]), texcoords=corner))
+    parts.append(box((0, foot - 0.12, 0), (width, foot + 0.14, 0.16), "+x-x+y-y+z", trim))
+    parts.append(box((0, top - 0.25, 0), (width, top + 0.1, 0.38), "+x-x+y-y+z", trim))
+    return join(parts)
+
+
+def shop_row(modules: int, first: int) -> Shape:
+    """Shop fronts from the atlas, one a module, on the foot of a house."""
+    parts = []
+    for i in range(modules):
+        cell = (first + i) % len(wear.SHOPS)
+        left, top = cell % 2 / 2, cell // 2 / 4
+        image = (left, top, left + 0.5, top + 0.25)
+        front = grid((i * MODULE, PAVEMENT_HEIGHT, 0), (MODULE, 0, 0), (0, SHOP_HEIGHT, 0), (1, 4), image)
+        low = front.positions[:, 1] < PAVEMENT_HEIGHT + 0.1
+        parts.append(Shape(front.positions, front.normals, front.texcoords, np.where(low, 0.6, 1.0)[:, None] * np.ones(3), front.faces))
+    return join(parts)
+
+
+def roof(modules: int, storeys: int) -> Shape:
+    """Two slopes over a house, standing out beyond its walls."""
+    width, depth, eaves = modules * MODULE, 10.0, 0.4
+    top = PAVEMENT_HEIGHT + SHOP_HEIGHT + storeys * STOREY + 0.12
+    drop = 3.0 / (depth / 2) * eaves
+    slope = depth / 2 + eaves
+    image = (0.0, 0.0, width / 3, 2.0)
+    front = grid((0, top - drop, eaves), (width, 0, 0), (0, 3.0 + drop, -slope), image=image)
+    back = grid((width, top - drop, -depth - eaves), (-width, 0, 0), (0, 3.0 + drop, slope), image=image)
+    return join([front, back])
+
+
+def sign(cell: int) -> Shape:
+    """A board of 1.8 m by 0.9 m that stands out from a front, to be read along the street."""
+    left, top = cell % 2 / 2, cell // 2 / 4
+    image = (left, top, left + 0.5, top + 0.25)
+    edge = (left + 0.004, top + 0.004, left + 0.008, top + 0.008)
+    low, high = (-0.05, 3.75, 0.25), (0.05, 4.65, 2.05)
+    arm = box((-0.02, 4.15, 0.0), (0.02, 4.19, 0.25), "+x-x+y-y", edge)
+    return join([box(low, high, "+x-x", image), box(low, high, "+y-y+z-z", edge), arm])
+
+
+def trees() -> list[Mesh]:
+    """Trees on the pavements, each with the shade at its foot."""
+    foliage = Diffuse(texture=leaves(), color=(1, 1, 1))
+    slabs = Diffuse(texture=wear.pavement(), color=(1, 1, 1))
+    generator = np.random.default_rng(4)
+    points, faces = icosphere(1)
+    meshes = []
+    shades = []
+    for number, (x, z) in enumerate(TREES):
+        tall = generator.uniform(0.9, 1.2)
+        trunk = lathe([(0.16, 0.0), (0.11, 1.6), (0.09, 3.2 * tall)], 6).painted((0.16, 0.11, 0.08))
+        balls = []
+        for middle, radius in (((0.0, 3.6, 0.0), 1.35), ((0.35, 4.6, -0.3), 1.0)):
+            bumps = 1 + 0.16 * np.sin(points @ generator.normal(size=(3, 3)) * 3).sum(axis=1, keepdims=True) / 1.5
+            ball = points * bumps * radius * (1, 0.9, 1) + np.asarray(middle) * (1, tall, 1)
+            light = np.clip(0.62 + 0.30 * points[:, 1] + 0.12 * (ball[:, 1] - 3.6), 0.32, 1.0)
+            texcoords = np.stack([ball[:, 0] + 0.6 * ball[:, 2], ball[:, 1] + 0.4 * ball[:, 2]], axis=-1) / 1.8
+            balls.append(creased(ball, faces, 70.0, texcoords, light[:, None] * np.ones(3)))
+        meshes.append(trunk.moved(x, PAVEMENT_HEIGHT, z).mesh(f"tree-{number}/trunk", Diffuse(color=(1, 1, 1))))
+        crown = join(balls).turned(generator.uniform(0, 360)).moved(x, PAVEMENT_HEIGHT, z)
+        meshes.append(crown.mesh(f"tree-{number}/crown", foliage))
+        shades.append(shadow(x + np.sign(x) * 0.4, z, 1.0, 1.0, pavement_patch))
+    return [*meshes, join(shades).mesh("tree-shade", slabs)]
+
+
+def lamps() -> list[Mesh]:
+    """Street lamps whose arms reach over the road."""
+    meshes = []
+    for number, (x, z) in enumerate(LAMPS):
+        post = lathe([(0.10, 0.0), (0.09, 0.5), (0.055, 0.55), (0.045, 6.2)], 8)
+        arm = cylinder(0.035, 1.5, 6).turned(-80.0, axis=2).moved(0.0, 6.15, 0.0)
+        head = box((1.3, 6.36, -0.13), (1.95, 6.46, 0.13))
+        steel = join([post, arm, head]).painted((0.06, 0.085, 0.075))
+        bulb = box((1.35, 6.34, -0.1), (1.9, 6.36, 0.1), "-y").moved(0, -0.004, 0).painted((0.9, 0.88, 0.8))
+        lamp = join([steel, bulb]).turned(180.0 if x > 0 else 0.0).moved(x, PAVEMENT_HEIGHT, z)
+        meshes.append(lamp.mesh(f"lamp-{number}", Diffuse(color=(1, 1, 1))))
+    return meshes
+
+
+def cars() -> list[Mesh]:
+    """Parked and driving cars, each with its number plates, and the shade below them all."""
+    plates = Diffuse(texture=wear.plates(), color=(1, 1, 1))
+    meshes = []
+    shades = []
+    for number, (x, z, turn, paint) in enumerate(CARS):
+        meshes.append(saloon(paint).turned(turn).moved(x, 0, z).mesh(f"car-{number}", Diffuse(color=(1, 1, 1))))
+        plate = number_plates(number % len(wear.PLATES)).turned(turn).moved(x, 0, z)
+        meshes.append(plate.mesh(f"car-{number}/plates", plates))
+        shades.append(shadow(x, z, 1.15 if abs(x) < 4 else 0.99, 2.5, road_patch))
+    return [*meshes, join(shades).mesh("car-shade", Diffuse(texture=wear.road(), color=(1, 1, 1)))]

@@ -11,9 +11,7 @@ from anamorph.optics.laws import fresnel, reflect, refract, schlick
 
 # Cosines from straight on to grazing within 1e-9, with the ends drawn on purpose.
 cosines = st.one_of(st.sampled_from([1.0, 1.0 - 1e-12, 1e-3, 1e-6, 1e-9]), st.floats(1e-9, 1.0))
-frames = arrays(float, (2, 3), elements=st.floats(-1, 1)).filter(
-    lambda rows: np.linalg.norm(np.cross(*rows)) > 1e-2
-)
+frames = arrays(float, (2, 3), elements=st.floats(-1, 1)).filter(lambda rows: np.linalg.norm(np.cross(*rows)) > 1e-2)
 etas = st.one_of(st.sampled_from([1.0, 1 / 1.5, 1.5, 1.0 + 1e-12]), st.floats(0.3, 3.0))
 
 

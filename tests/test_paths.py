@@ -260,7 +260,9 @@ def test_facing_mirrors_bounce_as_often_as_unfolding_says():
     clear = np.abs(end / width - np.round(end / width)) < 0.499
     limited = walls > 5
     assert np.array_equal(out.bounces[clear], np.minimum(walls, 5)[clear])
-    assert (out.status[clear & limited] == Status.OUTSIDE).all() and np.isin(out.end_object[clear & limited], [2, 3]).all()
+    assert (out.status[clear & limited] == Status.OUTSIDE).all() and np.isin(
+        out.end_object[clear & limited], [2, 3]
+    ).all()
     assert (out.status[clear & ~limited & (walls > 0)] == Status.TRACED).all()
     assert (clear & limited).any() and len(np.unique(walls[clear & ~limited])) >= 4
 
@@ -365,7 +367,9 @@ def test_ray_mesh_truth_interpolates_the_vertex_rays_across_the_picture():
 def test_ray_mesh_truth_is_surface_truth_at_a_vertex():
     mirror = patch(Sphere(np.array([0.0, 0, -2.4]), 1.4), (-0.4, -0.3), (0.4, 0.3), 2)
     camera = Camera((0.4, 0.2, 0.3), (0, 0, -1.0), field_of_view=5)
-    at_vertex = [trace([box(), mirror], camera, (65, 65), (32, 32, 33, 33), truth=truth) for truth in ("surface", "raymesh")]
+    at_vertex = [
+        trace([box(), mirror], camera, (65, 65), (32, 32, 33, 33), truth=truth) for truth in ("surface", "raymesh")
+    ]
     assert angle(at_vertex[0].direction, at_vertex[1].direction)[0] < ANGLE
 
 

@@ -130,7 +130,18 @@ class Tree:
     ) -> None:
         """Fill `distance` (N,), `triangle` (N,) and `barycentric` (N, 2) for rays (N, 3); one core, without the lock."""
         arguments = self._arguments[coherent].ctypes.data
-        _cast(np.zeros((ROWS + 2) * PACKET + 16, np.float32), self._intersect, self._scene, arguments, origins, directions, near, distance, triangle, barycentric)
+        _cast(
+            np.zeros((ROWS + 2) * PACKET + 16, np.float32),
+            self._intersect,
+            self._scene,
+            arguments,
+            origins,
+            directions,
+            near,
+            distance,
+            triangle,
+            barycentric,
+        )
 
 
 def _query_arguments(coherent: bool) -> np.ndarray:

@@ -224,13 +224,16 @@ def _bend(world, item, face, origin, direction, distance, vertex_origins, vertex
     if mirror and len(vertex_origins):
         bent = unit(_blend(vertex_directions, face, weights))
         change = along(bent, -1.0, direction)
-        return _blend(vertex_origins, face, weights), bent, _schlick(constant, 0.5 * math.sqrt(dot(change, change))), False
+        return (
+            _blend(vertex_origins, face, weights),
+            bent,
+            _schlick(constant, 0.5 * math.sqrt(dot(change, change))),
+            False,
+        )
 
     side = 1.0 if slope < 0.0 else -1.0
     geometric = unit((side * area[0], side * area[1], side * area[2]))
-    distance, normal, exact = _surface_normal(
-        world, item, face, weights, origin, direction, distance, geometric, side
-    )
+    distance, normal, exact = _surface_normal(world, item, face, weights, origin, direction, distance, geometric, side)
     crosses = False
     if mirror:
         cosine = -dot(normal, direction)

@@ -174,7 +174,9 @@ def meet(kind, numbers, origin, direction, distance, u, v):  # noqa: ANN001, ANN
         square = numbers[3] * numbers[3] - dot(across, across)
         if square >= 0.0:
             half = math.sqrt(square)
-            distance = middle - half if abs(middle - half - distance) <= abs(middle + half - distance) else middle + half
+            distance = (
+                middle - half if abs(middle - half - distance) <= abs(middle + half - distance) else middle + half
+            )
             outward = along((0.0, 0.0, 0.0), distance, direction)
             normal = unit(along(outward, -1.0, to_center))
             met = True

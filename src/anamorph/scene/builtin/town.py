@@ -162,7 +162,9 @@ def walls(modules: int, storeys: int) -> Shape:
     width, depth, foot = modules * MODULE, 10.0, PAVEMENT_HEIGHT + SHOP_HEIGHT
     top = foot + storeys * STOREY
     front = grid((0, foot, 0), (width, 0, 0), (0, top - foot, 0), (modules, storeys), (0, 0, modules, storeys / 2))
-    shade = np.where(front.positions[:, 1] < foot + 0.1, 0.78, 1.0) * np.where(front.positions[:, 1] > top - 0.1, 0.8, 1)
+    shade = np.where(front.positions[:, 1] < foot + 0.1, 0.78, 1.0) * np.where(
+        front.positions[:, 1] > top - 0.1, 0.8, 1
+    )
     parts = [Shape(front.positions, front.normals, front.texcoords, shade[:, None] * np.ones(3), front.faces)]
     plain, trim = (0.44, 0.3, 0.56, 0.7), (0.44, 0.465, 0.56, 0.480)
     parts.append(grid((width, 0, 0), (0, 0, -depth), (0, top, 0), image=plain))
@@ -186,7 +188,15 @@ def shop_row(modules: int, first: int) -> Shape:
         image = (left, top, left + 0.5, top + 0.25)
         front = grid((i * MODULE, PAVEMENT_HEIGHT, 0), (MODULE, 0, 0), (0, SHOP_HEIGHT, 0), (1, 4), image)
         low = front.positions[:, 1] < PAVEMENT_HEIGHT + 0.1
-        parts.append(Shape(front.positions, front.normals, front.texcoords, np.where(low, 0.6, 1.0)[:, None] * np.ones(3), front.faces))
+        parts.append(
+            Shape(
+                front.positions,
+                front.normals,
+                front.texcoords,
+                np.where(low, 0.6, 1.0)[:, None] * np.ones(3),
+                front.faces,
+            )
+        )
     return join(parts)
 
 

@@ -1,0 +1,54 @@
+"""Loops compiled to machine code, and the threads that run them on all the cores."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+from functools import cache
+from typing import Any
+
+import numba
+
+
+def compiled(function: Callable[..., Any]) -> Callable[..., Any]:
+    """Compile `function` at its first call, to run without Python's lock, and keep the machine code on disk.
+
+    It works on arrays that it is given and can make none: counting references to arrays, with atomic operations on
+    every pass to another function, would take most of the time of a loop over rays. Where no directory can be
+    written (a read-only install without a home), it is compiled anew in every process.
+    """
+    options = {"nogil": True, "error_model": "numpy", "_nrt": False}
+    try:
+        return numba.njit(function, cache=True, **options)
+    except RuntimeError:
+        return numba.njit(function, **options)
+
+
+def cores() -> int:
+    """How many cores this process may use."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
+@cache
+def _threads() -> ThreadPoolExecutor:
+    return ThreadPoolExecutor(cores(), thread_name_prefix="anamorph")
+
+
+if hasattr(os, "register_at_fork"):
+    # A forked child inherits the pool but not its threads.
+    os.register_at_fork(after_in_child=_threads.cache_clear)
+
+
+def over_all_cores(work: Callable[[int, int], None], count: int, grain: int) -> None:
+    """Call work(start, stop) for pieces of range(count), `grain` or fewer each, on all the cores.
+
+    One piece runs in the calling thread, because waking another costs more than a small piece itself.
+    """
+    starts = range(0, count, grain)
+    if len(starts) <= 1 or cores() == 1:
+        for start in starts:
+            work(start, min(start + grain, count))
+        return
+    for result in [_threads().submit(work, start, min(start + grain, count)) for start in starts]:
+        result.result()

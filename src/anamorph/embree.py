@@ -1,0 +1,189 @@
+"""Embree's C interface, called from compiled code on all the cores.
+
+The Python wrapper `embreex` holds the interpreter lock and casts one ray at a time. The library inside its wheel can do
+more: this module finds it, describes the few structures it needs by hand (Embree 4, rtcore_ray.h and rtcore_scene.h),
+and calls it through its address. Because nothing but `agrees_with` checks such a description, nobody should use a tree
+from here before that has passed; `rays.Caster` sees to it.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import importlib.util
+import weakref
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+from numba import types
+from numba.core import cgutils
+from numba.extending import intrinsic
+
+from anamorph.compiled import compiled
+
+PACKET = 16
+MISS = 0xFFFFFFFF
+
+# RTCRayHit16 is a structure of arrays: these are the indices of its arrays of 16 words.
+# instPrimID ends it in builds with instance arrays; the spare rows leave room whatever the build.
+ORIGIN, NEAR, DIRECTION, TIME, FAR, MASK, IDENTITY, RAY_FLAGS = 0, 3, 4, 7, 8, 9, 10, 11
+NORMAL, U, V, PRIMITIVE, GEOMETRY, INSTANCE = 12, 15, 16, 17, 18, 19
+ROWS = 24
+
+_TRIANGLES, _INDICES, _VERTICES, _UINT3, _FLOAT3 = 0, 0, 1, 0x5003, 0x9003
+_ROBUST = 1 << 2
+_COHERENT = 1 << 16
+_ALL_FEATURES = 0xFFFFFFFF
+_SIGNATURES = {
+    "rtcNewDevice": (ctypes.c_void_p, [ctypes.c_char_p]),
+    "rtcGetDeviceProperty": (ctypes.c_ssize_t, [ctypes.c_void_p, ctypes.c_int]),
+    "rtcGetDeviceError": (ctypes.c_int, [ctypes.c_void_p]),
+    "rtcNewScene": (ctypes.c_void_p, [ctypes.c_void_p]),
+    "rtcSetSceneFlags": (None, [ctypes.c_void_p, ctypes.c_int]),
+    "rtcCommitScene": (None, [ctypes.c_void_p]),
+    "rtcReleaseScene": (None, [ctypes.c_void_p]),
+    "rtcNewGeometry": (ctypes.c_void_p, [ctypes.c_void_p, ctypes.c_int]),
+    "rtcSetSharedGeometryBuffer": (
+        None,
+        [ctypes.c_void_p, ctypes.c_int, ctypes.c_uint, ctypes.c_int, ctypes.c_void_p] + [ctypes.c_size_t] * 3,
+    ),
+    "rtcCommitGeometry": (None, [ctypes.c_void_p]),
+    "rtcAttachGeometry": (ctypes.c_uint, [ctypes.c_void_p, ctypes.c_void_p]),
+    "rtcReleaseGeometry": (None, [ctypes.c_void_p]),
+}
+
+
+class EmbreeUnavailable(RuntimeError):
+    """The library cannot be called directly here; the wrapper has to do."""
+
+
+@cache
+def _library() -> tuple[ctypes.CDLL, int, int]:
+    """The library, its one device, and the address of rtcIntersect16."""
+    spec = importlib.util.find_spec("embreex")
+    if spec is None or spec.origin is None:
+        raise EmbreeUnavailable("embreex is not installed")
+    package = Path(spec.origin).parent
+    folders = (package.parent / "embreex.libs", package / ".dylibs", package)
+    files = sorted(file for folder in folders if folder.is_dir() for file in folder.glob("*embree4*"))
+    if not files:
+        raise EmbreeUnavailable("no libembree4 inside embreex")
+    # The wrapper loads the threading library that libembree4 needs.
+    importlib.import_module("embreex.rtcore_scene")
+    try:
+        library = ctypes.CDLL(str(files[0]))
+        for name, (result, arguments) in _SIGNATURES.items():
+            function = getattr(library, name)
+            function.restype, function.argtypes = result, arguments
+        address = ctypes.cast(library.rtcIntersect16, ctypes.c_void_p).value
+    except (OSError, AttributeError) as error:
+        raise EmbreeUnavailable(str(error)) from error
+    device = library.rtcNewDevice(None)
+    if not device or not address or not 40000 <= library.rtcGetDeviceProperty(device, 0) < 50000:
+        raise EmbreeUnavailable("libembree4 does not answer as Embree 4")
+    return library, device, address
+
+
+class Tree:
+    """Embree's tree over one set of triangles.
+
+    Parameters
+    ----------
+    positions : (V, 3) float32
+    faces : (F, 3) int32
+    """
+
+    def __init__(self, positions: np.ndarray, faces: np.ndarray) -> None:
+        library, device, self._intersect = _library()
+        # Embree reads the last vertex with a 16-byte load.
+        self._vertices = np.zeros((len(positions) + 1, 3), np.float32)
+        self._vertices[:-1] = positions
+        self._faces = np.ascontiguousarray(faces, np.uint32)
+        scene = library.rtcNewScene(device)
+        self._scene = scene
+        self._release = weakref.finalize(self, library.rtcReleaseScene, scene)
+        library.rtcSetSceneFlags(scene, _ROBUST)
+        if len(faces):
+            geometry = library.rtcNewGeometry(device, _TRIANGLES)
+            for kind, layout, array, count in (
+                (_VERTICES, _FLOAT3, self._vertices, len(positions)),
+                (_INDICES, _UINT3, self._faces, len(faces)),
+            ):
+                library.rtcSetSharedGeometryBuffer(geometry, kind, 0, layout, array.ctypes.data, 0, 12, count)
+            library.rtcCommitGeometry(geometry)
+            library.rtcAttachGeometry(scene, geometry)
+            library.rtcReleaseGeometry(geometry)
+        library.rtcCommitScene(scene)
+        if library.rtcGetDeviceError(device):
+            raise EmbreeUnavailable("Embree could not build its tree")
+        self._arguments = {coherent: _query_arguments(coherent) for coherent in (False, True)}
+
+    def cast(
+        self,
+        origins: np.ndarray,
+        directions: np.ndarray,
+        near: np.ndarray,
+        coherent: bool,
+        distance: np.ndarray,
+        triangle: np.ndarray,
+        barycentric: np.ndarray,
+    ) -> None:
+        """Fill `distance` (N,), `triangle` (N,) and `barycentric` (N, 2) for rays (N, 3); one core, without the lock."""
+        arguments = self._arguments[coherent].ctypes.data
+        _cast(np.zeros((ROWS + 2) * PACKET + 16, np.float32), self._intersect, self._scene, arguments, origins, directions, near, distance, triangle, barycentric)
+
+
+def _query_arguments(coherent: bool) -> np.ndarray:
+    """RTCIntersectArguments: flags, feature mask, then pointers that stay null; with room to spare."""
+    arguments = np.zeros(16, np.uint32)
+    arguments[:2] = _COHERENT if coherent else 0, _ALL_FEATURES
+    return arguments
+
+
+@intrinsic
+def _call(typingctx, address, valid, scene, packet, arguments):  # noqa: ANN001, ANN202
+    """Call the C function at `address` with four pointers."""
+
+    def generate(context, builder, signature, values):  # noqa: ANN001, ANN202
+        from llvmlite import ir
+
+        pointer = cgutils.voidptr_t
+        function = builder.inttoptr(values[0], ir.FunctionType(ir.VoidType(), [pointer] * 4).as_pointer())
+        builder.call(function, [builder.inttoptr(value, pointer) for value in values[1:]])
+        return context.get_dummy_value()
+
+    return types.void(*[types.intp] * 5), generate
+
+
+@compiled
+def _cast(store, address, scene, arguments, origins, directions, near, distance, triangle, barycentric):  # noqa: ANN001, ANN202
+    count = len(origins)
+    # Packets of 16 must lie at multiples of 64 bytes.
+    skip = (-store.ctypes.data % 64) // 4
+    floats = store[skip : skip + (ROWS + 2) * PACKET].reshape((ROWS + 2, PACKET))
+    words = floats.view(np.uint32)
+    packet = floats.ctypes.data
+    valid = packet + ROWS * PACKET * 4
+    for start in range(0, count, PACKET):
+        lanes = min(PACKET, count - start)
+        for lane in range(PACKET):
+            words[ROWS, lane] = MISS if lane < lanes else 0
+            # Lanes left over repeat the last ray: they are switched off, but hold no garbage.
+            ray = start + min(lane, lanes - 1)
+            for axis in range(3):
+                floats[ORIGIN + axis, lane] = origins[ray, axis]
+                floats[DIRECTION + axis, lane] = directions[ray, axis]
+            floats[NEAR, lane] = near[ray]
+            floats[FAR, lane] = np.inf
+            words[MASK, lane] = MISS
+            words[GEOMETRY, lane] = MISS
+            words[PRIMITIVE, lane] = MISS
+            words[INSTANCE, lane] = MISS
+        _call(address, valid, scene, packet, arguments)
+        for lane in range(lanes):
+            ray = start + lane
+            hit = words[GEOMETRY, lane] != MISS
+            triangle[ray] = np.int32(words[PRIMITIVE, lane]) if hit else np.int32(-1)
+            distance[ray] = floats[FAR, lane] if hit else np.inf
+            barycentric[ray, 0] = floats[U, lane] if hit else 0.0
+            barycentric[ray, 1] = floats[V, lane] if hit else 0.0

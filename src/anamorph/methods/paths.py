@@ -1,0 +1,203 @@
+"""The reference's light paths: a ray for every pixel, bent at every mirror and glass that it meets."""
+
+from __future__ import annotations
+
+import threading
+
+import numpy as np
+
+from anamorph.compiled import over_all_cores
+from anamorph.errors import AnamorphError
+from anamorph.methods.bounces import DIFFUSE, GLASS, MIRROR, WORDS, Paths, World, advance, start
+from anamorph.optics.exact import NUMBERS, pack
+from anamorph.optics.reflection import reflected_rays, reflector
+from anamorph.rays import Caster
+from anamorph.scene.camera import Camera
+from anamorph.scene.geometry import Geometry
+from anamorph.scene.model import Glass, Mirror, Scene
+
+Rectangle = tuple[int, int, int, int]
+
+GRAIN = 8192
+NO_RAYS = np.zeros((0, 3))
+
+
+class PathTracer:
+    """Traces the light paths of a picture's pixels, on all the cores.
+
+    Parameters
+    ----------
+    scene : Scene
+    geometry : Geometry
+        Of that scene.
+    caster : Caster
+        Over that geometry.
+    max_bounces : int
+        Bounces after which a path ends where it is.
+    truth : str
+        "surface": rays bend at the exact surface, or at the interpolated normal of a mesh that has none.
+        "raymesh": the first bounce sends on the interpolated ray of the mirror's ray mesh; later ones are as above.
+    """
+
+    def __init__(
+        self, scene: Scene, geometry: Geometry, caster: Caster, max_bounces: int = 8, truth: str = "surface"
+    ) -> None:
+        if truth not in ("surface", "raymesh"):
+            raise AnamorphError(f"truth is {truth!r}; choose surface or raymesh")
+        if not 0 <= max_bounces <= 255:
+            raise AnamorphError(f"max_bounces is {max_bounces}; choose 0 to 255")
+        self._caster = caster
+        self._world = _world(scene, geometry, caster.near, max_bounces)
+        self._reflectors = [
+            (int(geometry.first_vertex[number]), reflector(mesh))
+            for number, mesh in enumerate(scene.meshes)
+            if truth == "raymesh" and mesh.specular
+        ]
+        self._thread = threading.local()
+
+    def trace(
+        self,
+        camera: Camera,
+        size: tuple[int, int],
+        rectangle: Rectangle | None = None,
+        shift: tuple[float, float] = (0.0, 0.0),
+        records: np.ndarray | None = None,
+    ) -> np.ndarray:
+        """Trace one path for every pixel of a part of the picture.
+
+        Parameters
+        ----------
+        camera : Camera
+        size : (width, height)
+            Of the whole picture.
+        rectangle : (x0, y0, x1, y1), optional
+            The part, in pixels, its ends left out; the whole picture by default.
+        shift : (right, down)
+            Moves the rays from the pixels' centres, in pixels.
+        records : (pixels, 16) float32, optional
+            To be filled again, instead of a new array.
+
+        Returns
+        -------
+        records : (pixels, 16) float32
+            64 bytes a pixel, row by row:
+
+            ======= ==========================================================================================
+            0:3     origin of the path's last ray, metres
+            3       triangle at the path's end (int32 bits), -1 for the sky
+            4:7     unit direction of the last ray
+            7       flags (uint32 bits): the first specular object in bits 0-15 (0: none), the `Status` in
+                    bits 16-23, the number of bounces in bits 24-31
+            8:11    throughput: what share of the light at the path's end arrives, by colour
+            11      distance along the last ray, metres; infinite for the sky
+            12:14   weights of the end triangle's second and third vertex
+            14:16   zero
+            ======= ==========================================================================================
+
+            Status is OUTSIDE where the bounce limit ended the path (on the specular triangle it had reached), else
+            TOTAL_REFLECTION where some reflection was total, else SKY, DIRECT (no bounce) or TRACED.
+        """
+        x0, y0, x1, y1 = rectangle or (0, 0, *size)
+        columns, count = x1 - x0, max(x1 - x0, 0) * max(y1 - y0, 0)
+        if records is None or records.shape != (count, WORDS):
+            records = np.empty((count, WORDS), np.float32)
+        words = records.view(np.uint32)
+        vertex_origins, vertex_directions = self._vertex_rays(camera, size)
+        eye, axes = np.asarray(camera.position, float), camera.axes()
+        scale = 2.0 * np.tan(np.radians(camera.field_of_view) / 2.0) / size[1]
+        extent, corner = np.asarray(size, float), np.array([x0 + 0.5 + shift[0], y0 + 0.5 + shift[1]])
+
+        def work(first: int, stop: int) -> None:
+            paths, going, turn = self._room(), stop - first, 0
+            start(paths, eye, axes, scale, extent, corner, columns, first, going)
+            rays_origins, rays_directions = vertex_origins, vertex_directions
+            while going:
+                # Rays of neighbouring pixels keep together until the second bounce.
+                self._cast(paths, going, coherent=turn < 2)
+                going = advance(
+                    self._world, paths, going, rays_origins, rays_directions, records[first:stop], words[first:stop]
+                )
+                rays_origins = rays_directions = NO_RAYS
+                turn += 1
+
+        over_all_cores(work, count, GRAIN)
+        return records
+
+    def _room(self) -> Paths:
+        """The calling thread's own arrays."""
+        if not hasattr(self._thread, "paths"):
+            self._thread.paths = Paths.room(GRAIN)
+        return self._thread.paths
+
+    def _cast(self, paths: Paths, count: int, coherent: bool) -> None:
+        self._caster.fill(
+            paths.origin[:count], paths.direction[:count], paths.near[:count], coherent,
+            paths.distance[:count], paths.triangle[:count], paths.barycentric[:count],
+        )  # fmt: skip
+
+    def _vertex_rays(self, camera: Camera, size: tuple[int, int]) -> tuple[np.ndarray, np.ndarray]:
+        """The rays of the ray meshes, by vertex of the geometry; none for surface truth."""
+        if not self._reflectors:
+            return NO_RAYS, NO_RAYS
+        origins, directions = np.zeros((2, len(self._world.positions), 3))
+        for first, mirror in self._reflectors:
+            mesh = reflected_rays(mirror, camera, size)
+            own = slice(first, first + len(mesh.origins))
+            origins[own], directions[own] = mesh.origins, mesh.directions
+        return origins, directions
+
+
+def _world(scene: Scene, geometry: Geometry, near: float, max_bounces: int) -> World:
+    count = len(scene.meshes) + 1
+    material, surface = np.full((2, count), DIFFUSE, np.int64)
+    tint, constant, numbers = np.ones((count, 3)), np.zeros(count), np.zeros((count, NUMBERS))
+    parameters = np.zeros((len(geometry.positions), 2))
+    for number, mesh in enumerate(scene.meshes, start=1):
+        match mesh.material:
+            case Mirror(tint=color, reflectance=value):
+                material[number], tint[number], constant[number] = MIRROR, color, value
+            case Glass(tint=color, index=value):
+                material[number], tint[number], constant[number] = GLASS, color, value
+        if mesh.specular and mesh.parameters is not None:
+            surface[number], numbers[number] = pack(mesh.surface)
+            parameters[geometry.first_vertex[number - 1] : geometry.first_vertex[number]] = mesh.parameters
+    return World(
+        geometry.positions, geometry.normals, parameters, geometry.faces, geometry.face_object,
+        material, tint, constant, surface, numbers, near, max_bounces,
+    )  # fmt: skip
+
+
+def specular_rectangle(scene: Scene, camera: Camera, size: tuple[int, int]) -> Rectangle | None:
+    """The part of the picture outside which no pixel looks at a specular mesh.
+
+    Parameters
+    ----------
+    scene : Scene
+    camera : Camera
+    size : (width, height)
+
+    Returns
+    -------
+    (x0, y0, x1, y1) or None
+        Pixels, the ends left out, a pixel wider than the meshes on each side; the whole picture where one of them
+        reaches the plane of the eye; None where none is in the picture.
+    """
+    width, height = size
+    axes, eye = camera.axes(), np.asarray(camera.position)
+    focal = height / (2.0 * np.tan(np.radians(camera.field_of_view) / 2.0))
+    low, high = np.full(2, np.inf), np.full(2, -np.inf)
+    for mesh in scene.meshes:
+        if not mesh.specular or not len(mesh.positions):
+            continue
+        across, up, depth = axes @ (np.asarray(mesh.positions, float) - eye).T
+        if depth.max() <= 0.0:
+            continue
+        if depth.min() <= 1e-6 * depth.max():
+            return 0, 0, width, height
+        x, y = width / 2.0 + focal * across / depth, height / 2.0 - focal * up / depth
+        low = np.minimum(low, [x.min(), y.min()])
+        high = np.maximum(high, [x.max(), y.max()])
+    # Clipped first, because a vertex close to the plane of the eye projects beyond any integer.
+    x0, y0 = (int(value) for value in np.floor(np.clip(low - 1.0, 0, size)))
+    x1, y1 = (int(value) for value in np.ceil(np.clip(high + 1.0, 0, size)))
+    return (x0, y0, x1, y1) if x0 < x1 and y0 < y1 else None

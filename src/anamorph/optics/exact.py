@@ -1,0 +1,226 @@
+"""Where a ray meets the exact surface that a mesh approximates.
+
+A ray is cast at the mesh first; what it hits there is the start from which the hit on the exact surface is found. The
+compiled functions take one ray, so that other compiled loops can use them; `intersect` takes arrays.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from anamorph.compiled import compiled
+from anamorph.errors import AnamorphError
+from anamorph.scene.surfaces import BezierPatch, Plane, Sphere, Surface
+
+NONE, PLANE, SPHERE, BEZIER = range(4)
+NUMBERS = 48
+
+
+def pack(surface: Surface | None) -> tuple[int, np.ndarray]:
+    """The kind of `surface` and its numbers, (48,) float64, as the compiled functions read them."""
+    numbers = np.zeros(NUMBERS)
+    match surface:
+        case None:
+            return NONE, numbers
+        case Plane():
+            numbers[:3], numbers[3:6] = surface.origin, surface.normal(np.zeros((1, 2)))[0]
+            return PLANE, numbers
+        case Sphere():
+            numbers[:3], numbers[3] = surface.center, surface.radius
+            return SPHERE, numbers
+        case BezierPatch():
+            numbers[:] = np.ravel(surface.control)
+            return BEZIER, numbers
+    raise AnamorphError(f"surface: rays cannot be bent at a {type(surface).__name__}; leave the mesh's surface out")
+
+
+@compiled
+def dot(a, b):  # noqa: ANN001, ANN201
+    """Scalar product of two tuples of three."""
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+
+
+@compiled
+def along(origin, distance, direction):  # noqa: ANN001, ANN201
+    """The point `distance` along a ray."""
+    return (
+        origin[0] + distance * direction[0],
+        origin[1] + distance * direction[1],
+        origin[2] + distance * direction[2],
+    )
+
+
+@compiled
+def cross(a, b):  # noqa: ANN001, ANN201
+    """Vector product of two tuples of three."""
+    return (a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0])
+
+
+@compiled
+def unit(a):  # noqa: ANN001, ANN201
+    """A tuple of three at length one."""
+    scale = 1.0 / math.sqrt(dot(a, a))
+    return (a[0] * scale, a[1] * scale, a[2] * scale)
+
+
+@compiled
+def _cubic(t):  # noqa: ANN001, ANN202
+    """The four Bernstein polynomials at t, and their derivatives."""
+    s = 1.0 - t
+    values = (s * s * s, 3.0 * s * s * t, 3.0 * s * t * t, t * t * t)
+    slopes = (-3.0 * s * s, 3.0 * s * (s - 2.0 * t), 3.0 * t * (2.0 * s - t), 3.0 * t * t)
+    return values, slopes
+
+
+@compiled
+def _patch(control, u, v):  # noqa: ANN001, ANN202
+    """Position on a Bezier patch of 48 numbers, and its derivatives along u and v."""
+    (a, da), (b, db) = _cubic(u), _cubic(v)
+    position, along_u, along_v = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
+    for i in range(4):
+        for j in range(4):
+            first = 3 * (4 * i + j)
+            point = (control[first], control[first + 1], control[first + 2])
+            position = along(position, a[i] * b[j], point)
+            along_u = along(along_u, da[i] * b[j], point)
+            along_v = along(along_v, a[i] * db[j], point)
+    return position, along_u, along_v
+
+
+@compiled
+def _meet_patch(control, origin, direction, u, v):  # noqa: ANN001, ANN202
+    """Newton's iteration in (u, v) on the two components of S(u, v) - origin across the ray, with halved steps."""
+    if abs(direction[0]) < 0.6:
+        across_1 = unit(cross(direction, (1.0, 0.0, 0.0)))
+    else:
+        across_1 = unit(cross(direction, (0.0, 1.0, 0.0)))
+    across_2 = cross(direction, across_1)
+    extent = 0.0
+    for number in range(3, NUMBERS):
+        extent = max(extent, abs(control[number] - control[number % 3]))
+
+    position, along_u, along_v = _patch(control, u, v)
+    offset = along(position, -1.0, origin)
+    started = dot(offset, direction)
+    f, g = dot(offset, across_1), dot(offset, across_2)
+    for _ in range(24):
+        if f * f + g * g <= (1e-14 * extent) ** 2:
+            break
+        fu, fv, gu, gv = dot(along_u, across_1), dot(along_v, across_1), dot(along_u, across_2), dot(along_v, across_2)
+        determinant = fu * gv - fv * gu
+        if abs(determinant) <= 1e-12 * extent * extent:
+            break
+        step_u, step_v = (f * gv - fv * g) / determinant, (fu * g - f * gu) / determinant
+        share, better = 1.0, False
+        for _ in range(8):
+            # A little beyond the border, because the mesh there may stand before the neighbouring patch.
+            next_u = min(max(u - share * step_u, -0.05), 1.05)
+            next_v = min(max(v - share * step_v, -0.05), 1.05)
+            next_position, next_along_u, next_along_v = _patch(control, next_u, next_v)
+            next_offset = along(next_position, -1.0, origin)
+            next_f, next_g = dot(next_offset, across_1), dot(next_offset, across_2)
+            if next_f * next_f + next_g * next_g < f * f + g * g:
+                better = True
+                break
+            share *= 0.5
+        if not better:
+            break
+        u, v, f, g, offset, along_u, along_v = next_u, next_v, next_f, next_g, next_offset, next_along_u, next_along_v
+    distance = dot(offset, direction)
+    normal = cross(along_u, along_v)
+    # Far from where the mesh was hit lies another sheet of the patch; a vanishing normal is a pole.
+    met = (
+        f * f + g * g <= (1e-9 * extent) ** 2
+        and abs(distance - started) <= 0.25 * extent
+        and dot(normal, normal) > (1e-7 * extent * extent) ** 2
+    )
+    return met, distance, unit(normal) if met else (0.0, 0.0, 0.0)
+
+
+@compiled
+def meet(kind, numbers, origin, direction, distance, u, v):  # noqa: ANN001, ANN201
+    """Refine a hit on the mesh to one on the exact surface.
+
+    Parameters
+    ----------
+    kind, numbers
+        The surface, from `pack`.
+    origin, direction : three float64 each
+        The ray; unit direction.
+    distance, u, v : float
+        Where it hits the mesh: along the ray, and on the surface.
+
+    Returns
+    -------
+    met : bool
+        False where the ray passes the surface by, or the search fails.
+    distance : float
+    normal : three float64
+        Unit, pointing outside.
+    """
+    met, normal = False, (0.0, 0.0, 0.0)
+    if kind == PLANE:
+        normal = (numbers[3], numbers[4], numbers[5])
+        slope = dot(direction, normal)
+        if abs(slope) > 1e-12:
+            distance = dot(along((numbers[0], numbers[1], numbers[2]), -1.0, origin), normal) / slope
+            met = True
+    elif kind == SPHERE:
+        to_center = along((numbers[0], numbers[1], numbers[2]), -1.0, origin)
+        middle = dot(to_center, direction)
+        across = along(to_center, -middle, direction)
+        square = numbers[3] * numbers[3] - dot(across, across)
+        if square >= 0.0:
+            half = math.sqrt(square)
+            distance = middle - half if abs(middle - half - distance) <= abs(middle + half - distance) else middle + half
+            outward = along((0.0, 0.0, 0.0), distance, direction)
+            normal = unit(along(outward, -1.0, to_center))
+            met = True
+    elif kind == BEZIER:
+        met, distance, normal = _meet_patch(numbers, origin, direction, u, v)
+    return met and distance > 0.0, distance, normal
+
+
+@compiled
+def _meet_all(kind, numbers, origins, directions, distances, parameters, positions, normals, ok):  # noqa: ANN001, ANN202
+    for i in range(len(origins)):
+        origin = (origins[i, 0], origins[i, 1], origins[i, 2])
+        direction = (directions[i, 0], directions[i, 1], directions[i, 2])
+        ok[i], distance, normal = meet(
+            kind, numbers, origin, direction, distances[i], parameters[i, 0], parameters[i, 1]
+        )
+        point = along(origin, distance, direction)
+        for axis in range(3):
+            positions[i, axis], normals[i, axis] = point[axis], normal[axis]
+
+
+def intersect(
+    surface: Surface, origins: np.ndarray, directions: np.ndarray, start_parameters: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Refine hits on a mesh to hits on its exact surface.
+
+    Parameters
+    ----------
+    surface : Plane, Sphere or BezierPatch
+    origins, directions : (N, 3) array
+        Unit directions.
+    start_parameters : (N, 2) array
+        (u, v) of the hits on the mesh. Of several hits on the surface, the one nearest to these is found.
+
+    Returns
+    -------
+    positions, normals : (N, 3) float64
+        Metres; unit normals pointing outside.
+    ok : (N,) bool
+        False where a ray passes the surface by or starts beyond it, or the search fails: use the mesh there.
+    """
+    kind, numbers = pack(surface)
+    origins = np.array(origins, float).reshape(-1, 3)
+    directions = np.array(directions, float).reshape(-1, 3)
+    parameters = np.array(start_parameters, float).reshape(-1, 2)
+    distances = np.sum((surface.position(parameters) - origins) * directions, axis=1)
+    positions, normals, ok = np.empty_like(origins), np.empty_like(origins), np.empty(len(origins), bool)
+    _meet_all(kind, numbers, origins, directions, distances, parameters, positions, normals, ok)
+    return positions, normals, ok

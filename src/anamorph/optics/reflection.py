@@ -1,0 +1,79 @@
+"""An eye before a specular surface, as a ray mesh: the reflected ray at every vertex."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from anamorph.errors import AnamorphError
+from anamorph.optics.laws import reflect
+from anamorph.raymesh import RayMesh, RayStatus
+from anamorph.scene.camera import Camera
+from anamorph.scene.model import Mesh, Mirror
+
+
+@dataclass(frozen=True, eq=False)
+class Reflector:
+    """What of a mirror does not depend on the eye.
+
+    Parameters
+    ----------
+    positions, normals : (V, 3) float64
+        Those of the exact surface where the mesh has one.
+    faces : (F, 3) int32
+    """
+
+    positions: np.ndarray
+    normals: np.ndarray
+    faces: np.ndarray
+
+
+def reflector(mesh: Mesh) -> Reflector:
+    """Prepare a mirror mesh for `reflected_rays`, once for all frames."""
+    if not isinstance(mesh.material, Mirror):
+        raise AnamorphError(
+            f"mesh {mesh.name!r}: rays at vertices are there for mirrors only, refraction is not yet; use method raytrace"
+        )
+    if mesh.surface is not None and mesh.parameters is not None:
+        exact = mesh.surface.normal(mesh.parameters)
+        # The mesh says which side is the mirror: one cut from a sphere may be its inside.
+        turned = np.sum(exact * mesh.normals, axis=1, keepdims=True) < 0.0
+        return Reflector(mesh.surface.position(mesh.parameters), np.where(turned, -exact, exact), mesh.faces)
+    normals = np.asarray(mesh.normals, float)
+    length = np.linalg.norm(normals, axis=1, keepdims=True)
+    if not length.all():
+        raise AnamorphError(f"mesh {mesh.name!r}: normals has a zero vector; give unit normals")
+    return Reflector(np.asarray(mesh.positions, float), normals / length, mesh.faces)
+
+
+def reflected_rays(mirror: Reflector, camera: Camera, size: tuple[int, int]) -> RayMesh:
+    """The ray mesh of `mirror` as `camera` sees it.
+
+    A vertex that turns its back on the eye is BACK_FACING; its direction still follows the formula, so that
+    what is interpolated between it and a front-facing neighbour changes smoothly across the silhouette.
+
+    Parameters
+    ----------
+    mirror : Reflector
+    camera : Camera
+    size : (width, height)
+
+    Returns
+    -------
+    RayMesh
+    """
+    width, height = size
+    offset = mirror.positions - np.asarray(camera.position)
+    across, up, depth = camera.axes() @ offset.T
+    focal = height / (2.0 * np.tan(np.radians(camera.field_of_view) / 2.0))
+    picture = np.stack([focal * across + width / 2.0 * depth, height / 2.0 * depth - focal * up, depth], axis=-1)
+    away = np.einsum("ij,ij->i", offset, mirror.normals) >= 0.0
+    status = np.where(away, np.uint8(RayStatus.BACK_FACING), np.uint8(RayStatus.OK))
+    # Directions as long as the eye's distance are linear on a flat mirror, so that interpolating them is exact there.
+    return RayMesh(picture, mirror.positions, reflect(offset, mirror.normals), mirror.faces, status)
+
+
+def reflected_ray_mesh(camera: Camera, size: tuple[int, int], mesh: Mesh) -> RayMesh:
+    """The ray mesh of a mirror mesh, for one frame; `reflector` and `reflected_rays` in one."""
+    return reflected_rays(reflector(mesh), camera, size)

@@ -1,0 +1,174 @@
+"""Casting rays at a scene: which triangle each of them hits first.
+
+Embree does the work: through its C interface on all the cores where a check at start shows that this gives the same
+answers as the wrapper `embreex`, and otherwise through the wrapper. ANAMORPH_RAYS=embreex asks for the wrapper.
+"""
+
+from __future__ import annotations
+
+import os
+from dataclasses import dataclass
+from functools import cache
+
+import numpy as np
+from embreex.mesh_construction import TriangleMesh
+from embreex.rtcore_scene import EmbreeScene
+
+from anamorph import embree
+from anamorph.compiled import over_all_cores
+from anamorph.errors import AnamorphError
+from anamorph.scene.geometry import Geometry
+
+GRAIN = 8192
+
+
+@dataclass(frozen=True, eq=False)
+class Hits:
+    """What N rays hit first.
+
+    Parameters
+    ----------
+    distance : (N,) float64
+        In lengths of the ray's direction; infinite for a miss.
+    triangle : (N,) int32
+        Index into `Geometry.faces`, or -1 for a miss.
+    barycentric : (N, 2) float64
+        Weights of the triangle's second and third vertex; zeros for a miss.
+    """
+
+    distance: np.ndarray
+    triangle: np.ndarray
+    barycentric: np.ndarray
+
+    @classmethod
+    def empty(cls, count: int) -> Hits:
+        """Room for `count` rays, not filled."""
+        return cls(np.empty(count), np.empty(count, np.int32), np.empty((count, 2)))
+
+
+class _Wrapper:
+    """The tree as `embreex` offers it: one core, one ray at a time, the interpreter lock held."""
+
+    def __init__(self, positions: np.ndarray, faces: np.ndarray) -> None:
+        self._scene = EmbreeScene()
+        self._mesh = TriangleMesh(self._scene, positions[faces]) if len(faces) else None
+
+    def cast(
+        self,
+        origins: np.ndarray,
+        directions: np.ndarray,
+        near: np.ndarray,
+        coherent: bool,
+        distance: np.ndarray,
+        triangle: np.ndarray,
+        barycentric: np.ndarray,
+    ) -> None:
+        distance[:], triangle[:], barycentric[:] = np.inf, -1, 0.0
+        if self._mesh is None or not len(origins):
+            return
+        # The wrapper knows no near distance: the rays start further on instead.
+        starts = (origins + near[:, None] * directions).astype(np.float32)
+        found = self._scene.run(starts, directions.astype(np.float32), query="INTERSECT", output=True)
+        hit = found["primID"] >= 0
+        triangle[hit] = found["primID"][hit]
+        distance[hit] = found["tfar"][hit] + near[hit]
+        barycentric[hit] = np.stack([found["u"], found["v"]], axis=-1)[hit]
+
+
+@cache
+def direct_works() -> bool:
+    """Whether Embree's C interface gives the wrapper's answers on a small known scene."""
+    x, y = np.meshgrid(np.arange(6.0), np.arange(6.0))
+    positions = np.stack([x, y, 0.3 * np.sin(3.0 * x + y)], axis=-1).reshape(-1, 3).astype(np.float32)
+    corner = (np.arange(5)[:, None] * 6 + np.arange(5)).ravel()
+    faces = np.concatenate([corner[:, None] + [0, 1, 7], corner[:, None] + [0, 7, 6]]).astype(np.int32)
+    random = np.random.default_rng(1)
+    origins = np.column_stack([random.uniform(-1.0, 6.0, (301, 2)), np.full(301, 3.0)])
+    directions = random.normal(size=(301, 3)) * 0.2 - [0.0, 0.0, 1.0]
+    near = np.where(np.arange(301) % 7, 0.0, 9.0)
+    try:
+        tree = embree.Tree(positions, faces)
+    except embree.EmbreeUnavailable:
+        return False
+    expected, found = Hits.empty(301), Hits.empty(301)
+    for way, hits in ((_Wrapper(positions, faces), expected), (tree, found)):
+        way.cast(origins, directions, near, False, hits.distance, hits.triangle, hits.barycentric)
+    return bool(
+        (expected.triangle == found.triangle).mean() > 0.99
+        and np.isclose(expected.distance, found.distance, rtol=1e-4).all()
+        and np.isclose(expected.barycentric, found.barycentric, atol=1e-3).all(axis=1).mean() > 0.99
+    )
+
+
+class Caster:
+    """A tree over all triangles of a scene, ready to cast rays at.
+
+    Parameters
+    ----------
+    geometry : Geometry
+
+    Attributes
+    ----------
+    way : str
+        "embree" (the C interface, all the cores) or "embreex" (the wrapper, one core).
+    near : float
+        A distance, in metres, below which a ray cannot tell a surface from the one that it leaves.
+    """
+
+    def __init__(self, geometry: Geometry) -> None:
+        wanted = os.environ.get("ANAMORPH_RAYS", "embree")
+        if wanted not in ("embree", "embreex"):
+            raise AnamorphError(f"ANAMORPH_RAYS is {wanted!r}; set it to embree or embreex, or unset it")
+        self.way = "embree" if wanted == "embree" and direct_works() else "embreex"
+        build = embree.Tree if self.way == "embree" else _Wrapper
+        self._tree = build(geometry.positions, geometry.faces)
+        # Rays are rounded to float32, by 6e-8 of the coordinates.
+        self.near = 1e-6 * float(np.abs(geometry.positions).max(initial=0.0))
+
+    def cast(
+        self,
+        origins: np.ndarray,
+        directions: np.ndarray,
+        near: float | np.ndarray = 0.0,
+        coherent: bool = False,
+    ) -> Hits:
+        """Find what each ray hits first.
+
+        Parameters
+        ----------
+        origins, directions : (N, 3) array
+        near : float or (N,) array
+            Hits nearer than this do not count. Rays that leave a surface start at `Caster.near`.
+        coherent : bool
+            Neighbours in the arrays are neighbours in space, as pixels are: twice as fast where it is so.
+
+        Returns
+        -------
+        Hits
+        """
+        origins, directions = np.asarray(origins, float), np.asarray(directions, float)
+        nears = np.broadcast_to(np.asarray(near, float), len(origins)).copy()
+        hits = Hits.empty(len(origins))
+
+        def work(start: int, stop: int) -> None:
+            piece = slice(start, stop)
+            self.fill(
+                origins[piece], directions[piece], nears[piece], coherent,
+                hits.distance[piece], hits.triangle[piece], hits.barycentric[piece],
+            )  # fmt: skip
+
+        over_all_cores(work, len(origins), GRAIN)
+        return hits
+
+    def fill(
+        self,
+        origins: np.ndarray,
+        directions: np.ndarray,
+        near: np.ndarray,
+        coherent: bool,
+        distance: np.ndarray,
+        triangle: np.ndarray,
+        barycentric: np.ndarray,
+    ) -> None:
+        """Cast float64 rays on the calling thread, into the arrays of a `Hits`."""
+        self._tree.cast(origins, directions, near, coherent, distance, triangle, barycentric)

@@ -8,9 +8,9 @@ from __future__ import annotations
 
 import numpy as np
 
+from anamorph.scene.builtin import town_textures as wear
 from anamorph.scene.builtin.car import CABIN, HALF_WIDTH, PILLAR, STATIONS, saloon
 from anamorph.scene.builtin.shapes import Shape, lattice, loft
-from anamorph.scene.builtin import town_textures as wear
 from anamorph.scene.builtin.town import car_shade, cars, ground, houses, lamps, trees
 from anamorph.scene.camera import Camera
 from anamorph.scene.model import AmbientLight, Diffuse, DirectionalLight, Mesh, Mirror, Scene, Sky
@@ -54,7 +54,7 @@ def car_mirror() -> Scene:
 def mirror_sphere() -> Sphere:
     """The glass's sphere: its outward axis bisects the directions to the eye and to the road behind."""
     to_eye = np.subtract(EYE, MIRROR)
-    outward = to_eye / np.linalg.norm(to_eye) + REARWARD / np.linalg.norm(REARWARD)
+    outward = to_eye / np.linalg.norm(to_eye) + np.asarray(REARWARD) / np.linalg.norm(REARWARD)
     outward /= np.linalg.norm(outward)
     right = np.cross((0.0, 1.0, 0.0), outward)
     right /= np.linalg.norm(right)
@@ -118,7 +118,7 @@ def housing(sphere: Sphere) -> Shape:
 def foot(sphere: Sphere) -> Shape:
     """The arm from the housing to the door."""
     angle = np.linspace(0, 2 * np.pi, 14, endpoint=False)
-    start = np.asarray(MIRROR) + (0.03, -0.045, -0.055)
+    start = np.add(MIRROR, (0.03, -0.045, -0.055))
     end = np.array([OWN_CAR[0] - HALF_WIDTH + 0.02, 0.90, MIRROR[2] - 0.09])
     rings = []
     for share, size in ((0.0, 0.030), (0.5, 0.026), (1.0, 0.042)):

@@ -24,6 +24,7 @@ def flat_mirror() -> Scene:
     board = Diffuse(color=(1, 1, 1), texture=checkerboard(256, 4, (206, 202, 192), (96, 110, 118)))
     plaster = Diffuse(color=(1, 1, 1), texture=texture(mottled((256, 256), (196, 186, 170), 31, (4, 16), 3.0)))
     floor = grid((-3, 0, 4), (6, 0, 0), (0, 0, -4), (6, 4), (0, 0, 3, 2)).mesh("floor", board)
+    frame = box((-0.95, 0.20, 0.0), (0.95, 1.60, 0.022), "+x-x+y-y+z")
     wall = grid((-3, 0, 0), (6, 0, 0), (0, 2.4, 0), (6, 4), (0, 0, 3, 1.2)).mesh("wall", plaster)
     blocks = [
         block(size, color).turned(turn).moved(*place).mesh(f"block-{number}", Diffuse(color=(1, 1, 1)))
@@ -34,9 +35,7 @@ def flat_mirror() -> Scene:
         name="flat-mirror",
         meshes=(
             plane_mirror("mirror", (-0.9, 0.25, 0.03), (1.8, 0, 0), (0, 1.3, 0)),
-            box((-0.95, 0.20, 0.0), (0.95, 1.60, 0.02), "+x-x+y-y+z")
-            .painted((0.22, 0.13, 0.07))
-            .mesh("frame", Diffuse()),
+            frame.mesh("frame", Diffuse(color=(0.18, 0.10, 0.055))),
             floor,
             wall,
             *blocks,
@@ -54,8 +53,7 @@ def block(size: tuple[float, float, float], color: Color) -> Shape:
     """A coloured box that stands on the origin; its six sides differ a little, so that a reversed picture shows."""
     x, y, z = size
     shape = box((-x / 2, 0.0, -z / 2), (x / 2, y, z / 2)).painted(color)
-    shares = np.repeat([1.0, 0.8, 1.1, 0.5, 0.95, 0.7], 4)[:, None]
-    return Shape(shape.positions, shape.normals, shape.texcoords, shape.colors * shares, shape.faces)
+    return shape.shaded(np.repeat([1.0, 0.8, 1.1, 0.5, 0.95, 0.7], 4))
 
 
 def plane_mirror(

@@ -9,18 +9,39 @@ from anamorph.scene.builtin.shapes import Shape, box, grid, join, lathe
 from anamorph.scene.builtin.teapot import teapot
 from anamorph.scene.builtin.textures import Rgb, centered, checkerboard, mottled, noise, planks, texture
 from anamorph.scene.camera import Camera
-from anamorph.scene.model import AmbientLight, Color, Diffuse, DirectionalLight, Mesh, Mirror, PointLight, Scene
-from anamorph.scene.model import Texture
+from anamorph.scene.model import (
+    AmbientLight,
+    Color,
+    Diffuse,
+    DirectionalLight,
+    Mesh,
+    Mirror,
+    PointLight,
+    Scene,
+    Texture,
+)
 
 WIDTH, HEIGHT, DEPTH = 4.2, 2.6, 4.0
 TABLE_HEIGHT = 0.75
 PATCH_VERTICES = 9
+POT_HEIGHT = 0.16
+# x, z and colour; name, x, z, radius and colour.
+CUPS: tuple[tuple[float, float, Color], ...] = (
+    (0.23, 0.10, (0.10, 0.24, 0.55)),
+    (-0.20, 0.16, (0.75, 0.55, 0.12)),
+    (-0.12, -0.26, (0.12, 0.42, 0.30)),
+)
+FRUITS: tuple[tuple[str, float, float, float, Color], ...] = (
+    ("orange", 0.12, 0.24, 0.036, (0.85, 0.32, 0.03)),
+    ("lemon", 0.04, 0.27, 0.027, (0.88, 0.72, 0.08)),
+)
 TITLES = ("OPTICS", "CURVES", "ATLAS", "LIGHT", "GLASS", "RAYS", "MAPS", "EUCLID")
 
 
 def room() -> Scene:
     """The built-in scene `room`."""
-    pot = teapot((0.0, TABLE_HEIGHT, 0.0), 0.16, 20.0, Mirror(tint=(1.0, 0.97, 0.93), reflectance=0.88), PATCH_VERTICES)
+    silver = Mirror(tint=(1.0, 0.97, 0.93), reflectance=0.88)
+    pot = teapot((0.0, TABLE_HEIGHT + 0.001, 0.0), POT_HEIGHT, 20.0, silver, PATCH_VERTICES)
     toward = np.array([-0.75, 0.45, 0.35])
     return Scene(
         name="room",
@@ -28,7 +49,7 @@ def room() -> Scene:
         camera=Camera(position=(0.30, 1.08, 0.86), target=(0.02, 0.825, 0.0), field_of_view=24.0),
         lights=(
             DirectionalLight(toward=tuple(toward / np.linalg.norm(toward)), color=(0.42, 0.40, 0.36)),
-            PointLight(position=(0.3, 2.3, 0.6), color=(1.1, 1.0, 0.85)),
+            PointLight(position=(0.3, 1.85, 0.6), color=(0.62, 0.56, 0.48)),
             AmbientLight(sky=(0.42, 0.42, 0.44), ground=(0.30, 0.27, 0.24)),
         ),
     )
@@ -123,13 +144,24 @@ def table() -> list[Mesh]:
     parts += [
         box((x, 0, z), (x + 0.07, top - 0.035, z + 0.07), "+x-x+z-z") for x in (-0.72, 0.65) for z in (-0.47, 0.40)
     ]
-    cloth = box((-0.3, top, -0.506), (0.3, TABLE_HEIGHT, 0.506), "+y", (0, 0, 3, 5))
+    cloth = grid((-0.3, TABLE_HEIGHT, 0.506), (0.6, 0, 0), (0, 0, -1.012), (24, 40), (0, 0, 3, 5))
+    cloth = cloth.shaded(shade(cloth.positions))
     drops = [
         grid((-0.3, top - 0.2, 0.506), (0.6, 0, 0), (0, 0.206, 0), image=(0, 0, 3, 1)),
         grid((0.3, top - 0.2, -0.506), (-0.6, 0, 0), (0, 0.206, 0), image=(0, 0, 3, 1)),
     ]
     gingham = white(checkerboard(128, 4, (232, 228, 216), (150, 44, 40)))
     return [join(parts).mesh("table", wood), join([cloth, *drops]).mesh("table/cloth", gingham)]
+
+
+def shade(points: np.ndarray) -> np.ndarray:
+    """The share of light, (V,), that what stands on the cloth leaves to `points` (V, 3) of it."""
+    standing = [(0.0, 0.0, 0.085), *((x, z, 0.03) for x, z, _ in CUPS), *((x, z, 0.5 * r) for _, x, z, r, _ in FRUITS)]
+    light = np.ones(len(points))
+    for x, z, radius in standing:
+        distance = np.hypot(points[:, 0] - x, points[:, 2] - z)
+        light *= 1.0 - 0.7 * np.clip(1.6 - distance / radius, 0.0, 1.0)
+    return light
 
 
 def tableware() -> list[Mesh]:
@@ -160,10 +192,7 @@ def tableware() -> list[Mesh]:
         )
         meshes.append(set_.moved(x, TABLE_HEIGHT, z).mesh(f"cup-{number}", white()))
     latitude = np.radians(np.linspace(-90, 90, 13))
-    for name, x, z, radius, color in (
-        ("orange", 0.12, 0.24, 0.036, (0.85, 0.32, 0.03)),
-        ("lemon", 0.04, 0.27, 0.027, (0.88, 0.72, 0.08)),
-    ):
+    for name, x, z, radius, color in FRUITS:
         fruit = lathe([(radius * np.cos(v), radius * (1 + np.sin(v))) for v in latitude], 24, 60.0)
         meshes.append(fruit.moved(x, TABLE_HEIGHT, z).mesh(name, Diffuse(color=color)))
     return meshes
@@ -195,7 +224,8 @@ def shelf() -> list[Mesh]:
 def spines() -> Texture:
     """Eight backs of books side by side, their titles running upward."""
     colors: tuple[Rgb, ...] = (
-        (128, 32, 30), (28, 62, 108), (38, 92, 54), (170, 120, 40), (82, 44, 98), (36, 100, 110), (140, 70, 34), (54, 54, 60),
+        (128, 32, 30), (28, 62, 108), (38, 92, 54), (170, 120, 40),
+        (82, 44, 98), (36, 100, 110), (140, 70, 34), (54, 54, 60),
     )  # fmt: skip
     image = Image.new("RGB", (512, 256))
     for index, (title, color) in enumerate(zip(TITLES, colors, strict=True)):

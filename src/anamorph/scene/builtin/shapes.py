@@ -32,7 +32,7 @@ class Shape:
     faces: np.ndarray
 
     def moved(self, x: float, y: float, z: float) -> Shape:
-        return replace(self, positions=self.positions + (x, y, z))
+        return replace(self, positions=np.add(self.positions, (x, y, z)))
 
     def turned(self, degrees: float, axis: int = 1) -> Shape:
         """Turned right-handedly about the x, y or z axis (0, 1, 2)."""
@@ -44,6 +44,10 @@ class Shape:
 
     def painted(self, color: Color) -> Shape:
         return replace(self, colors=self.colors * color)
+
+    def shaded(self, light: np.ndarray) -> Shape:
+        """Darkened vertex by vertex: `light` (V,) is the share of light that is left."""
+        return replace(self, colors=self.colors * light[:, None])
 
     def mesh(self, name: str, material: Material) -> Mesh:
         textured = isinstance(material, Diffuse) and material.texture is not None

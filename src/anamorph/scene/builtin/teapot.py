@@ -1,4 +1,4 @@
-"""The Utah teapot: the 32 bicubic Bezier patches of Martin Newell (University of Utah, 1975), in their usual proportions.
+"""The Utah teapot: the 32 bicubic Bezier patches of Martin Newell (University of Utah, 1975), as they are known.
 
 Newell's numbers are symmetric, and are kept here as what they are made of: profiles turned about the axis for rim,
 body, lid and bottom, and rings mirrored in the middle plane for handle and spout. His units: the pot is 3.15 high.

@@ -21,7 +21,7 @@ Tile = tuple[float, float, float]
 ROAD_TILE: Tile = (KERB, wear.ROAD_WIDTH, wear.ROAD_TILE)
 SLAB_TILE: Tile = (0.0, 2.0, 2.0)
 STREET = (-72.0, 156.0)
-ROAD_END = (-144.0, 408.0)
+ROAD_END = (-144.0, 384.0)
 CROSSINGS = (-13.0, 23.0)
 
 # x, z, degrees turned from driving toward -z, paint
@@ -92,7 +92,7 @@ def ground() -> list[Mesh]:
         low, high = sorted((side * KERB, side * (KERB + 0.1)))
         kerb = box((low, -0.02, start), (high, PAVEMENT_HEIGHT, end), "-x+z-z" if side > 0 else "+x+z-z")
         meshes.append(kerb.mesh(f"kerb-{name}", Diffuse(color=(0.42, 0.41, 0.39))))
-    meadow = grid((-700, -0.06, 700), (1400, 0, 0), (0, 0, -1400), (4, 4), (0, 0, 175, 175))
+    meadow = grid((-440, -0.06, 440), (880, 0, 0), (0, 0, -880), (4, 4), (0, 0, 110, 110))
     meshes.append(meadow.mesh("meadow", Diffuse(texture=wear.meadow(), color=(1, 1, 1))))
     return [*meshes, hills()]
 
@@ -101,9 +101,9 @@ def hills() -> Mesh:
     """Distant hills all around the town."""
     count = 36
     angle = np.arange(count) * 2 * np.pi / count
-    height = 24 + 9 * np.sin(3 * angle + 1) + 6 * np.sin(7 * angle) + 3 * np.sin(11 * angle + 2)
+    height = 17 + 7 * np.sin(3 * angle + 1) + 4 * np.sin(7 * angle) + 2 * np.sin(11 * angle + 2)
     around = np.stack([np.cos(angle), np.zeros(count), -np.sin(angle)], axis=-1)
-    rings = np.stack([640 * around + np.outer(height, (0, 1, 0)), 600 * around + (0, -1, 0)])
+    rings = np.stack([420 * around + np.outer(height, (0, 1, 0)), 395 * around + (0, -1, 0)])
     faces = creased(rings.reshape(-1, 3), _ring_faces(count), 60.0)
     return faces.painted((0.22, 0.30, 0.26)).mesh("hills", Diffuse(color=(1, 1, 1)))
 
@@ -157,10 +157,8 @@ def walls(modules: int, storeys: int) -> Shape:
     width, depth, foot = modules * MODULE, 10.0, PAVEMENT_HEIGHT + SHOP_HEIGHT
     top = foot + storeys * STOREY
     front = grid((0, foot, 0), (width, 0, 0), (0, top - foot, 0), (modules, storeys), (0, 0, modules, storeys / 2))
-    shade = np.where(front.positions[:, 1] < foot + 0.1, 0.78, 1.0) * np.where(
-        front.positions[:, 1] > top - 0.1, 0.8, 1
-    )
-    parts = [Shape(front.positions, front.normals, front.texcoords, shade[:, None] * np.ones(3), front.faces)]
+    height = front.positions[:, 1]
+    parts = [front.shaded(np.where((height < foot + 0.1) | (height > top - 0.1), 0.78, 1.0))]
     plain, trim = (0.44, 0.3, 0.56, 0.7), (0.44, 0.465, 0.56, 0.480)
     parts.append(grid((width, 0, 0), (0, 0, -depth), (0, top, 0), image=plain))
     parts.append(grid((0, 0, -depth), (0, 0, depth), (0, top, 0), image=plain))
@@ -168,7 +166,7 @@ def walls(modules: int, storeys: int) -> Shape:
     ridge = np.array([[0, top, 0], [0, top + 3.0, -depth / 2], [0, top, -depth]], float)
     corner = np.array([[0.44, 0.7], [0.5, 0.3], [0.56, 0.7]])
     parts.append(creased(ridge, np.array([[0, 1, 2]]), texcoords=corner))
-    parts.append(creased(ridge + (width, 0, 0), np.array([[0, 2, 1]]), texcoords=corner))
+    parts.append(creased(np.add(ridge, (width, 0, 0)), np.array([[0, 2, 1]]), texcoords=corner))
     parts.append(box((0, foot - 0.12, 0), (width, foot + 0.14, 0.16), "+x-x+y-y+z", trim))
     parts.append(box((0, top - 0.25, 0), (width, top + 0.1, 0.38), "+x-x+y-y+z", trim))
     return join(parts)
@@ -183,15 +181,7 @@ def shop_row(modules: int, first: int) -> Shape:
         image = (left, top, left + 0.5, top + 0.25)
         front = grid((i * MODULE, PAVEMENT_HEIGHT, 0), (MODULE, 0, 0), (0, SHOP_HEIGHT, 0), (1, 4), image)
         low = front.positions[:, 1] < PAVEMENT_HEIGHT + 0.1
-        parts.append(
-            Shape(
-                front.positions,
-                front.normals,
-                front.texcoords,
-                np.where(low, 0.6, 1.0)[:, None] * np.ones(3),
-                front.faces,
-            )
-        )
+        parts.append(front.shaded(np.where(low, 0.6, 1.0)))
     return join(parts)
 
 

@@ -35,15 +35,12 @@ class View:
         Pixels.
     samples : int
         The picture averages samples x samples shifted pictures; the seen buffers are those of pixel centres.
-    seen : bool
-        Whether the frame carries its seen buffers.
     """
 
     scene: Scene
     camera: Camera
     size: tuple[int, int]
     samples: int = 1
-    seen: bool = False
 
 
 @dataclass(frozen=True, eq=False)

@@ -25,8 +25,8 @@ class Session(Protocol):
         """Return when every submitted frame is finished on the device."""
         ...
 
-    def frame(self) -> Frame:
-        """Read the last frame back, with its seen buffers where the view asked for them."""
+    def frame(self, seen: bool = False) -> Frame:
+        """Read the last frame back; its seen buffers, if asked for, are drawn in passes of their own."""
         ...
 
 

@@ -63,13 +63,13 @@ def reflected_rays(mirror: Reflector, camera: Camera, size: tuple[int, int]) -> 
     """
     width, height = size
     offset = mirror.positions - np.asarray(camera.position)
-    incident = offset / np.sqrt(np.einsum("ij,ij->i", offset, offset))[:, None]
     across, up, depth = camera.axes() @ offset.T
     focal = height / (2.0 * np.tan(np.radians(camera.field_of_view) / 2.0))
     picture = np.stack([focal * across + width / 2.0 * depth, height / 2.0 * depth - focal * up, depth], axis=-1)
-    away = np.einsum("ij,ij->i", incident, mirror.normals) >= 0.0
+    away = np.einsum("ij,ij->i", offset, mirror.normals) >= 0.0
     status = np.where(away, np.uint8(RayStatus.BACK_FACING), np.uint8(RayStatus.OK))
-    return RayMesh(picture, mirror.positions, reflect(incident, mirror.normals), mirror.faces, status)
+    # Directions as long as the eye's distance are linear on a flat mirror, so that interpolating them is exact there.
+    return RayMesh(picture, mirror.positions, reflect(offset, mirror.normals), mirror.faces, status)
 
 
 def reflected_ray_mesh(camera: Camera, size: tuple[int, int], mesh: Mesh) -> RayMesh:

@@ -56,24 +56,3 @@ class Camera:
         y = (height / 2.0 - np.asarray(pixels)[..., 1]) * scale
         directions = x[..., None] * right + y[..., None] * up + forward
         return directions / np.linalg.norm(directions, axis=-1, keepdims=True)
-
-    def clip_matrix(self, size: tuple[int, int], near: float, shift: tuple[float, float] = (0.0, 0.0)) -> np.ndarray:
-        """World to clip space, (4, 4) float64: depth 1 at distance `near`, 0 at infinity.
-
-        `shift` moves the picture's sample points by a fraction of a pixel, right and down.
-        """
-        width, height = size
-        right, up, forward = self.axes()
-        focal = 1.0 / np.tan(np.radians(self.field_of_view) / 2.0)
-        view = np.eye(4)
-        view[:3, :3] = np.stack([right, up, forward])
-        view[:3, 3] = -view[:3, :3] @ np.asarray(self.position)
-        projection = np.array(
-            [
-                [focal * height / width, 0.0, -2.0 * shift[0] / width, 0.0],
-                [0.0, focal, 2.0 * shift[1] / height, 0.0],
-                [0.0, 0.0, 0.0, near],
-                [0.0, 0.0, 1.0, 0.0],
-            ]
-        )
-        return projection @ view

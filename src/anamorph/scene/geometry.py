@@ -56,9 +56,9 @@ def flatten(scene: Scene) -> Geometry:
         normals=np.concatenate([mesh.normals for mesh in meshes]).astype(np.float32),
         texcoords=np.concatenate([texcoords(mesh) for mesh in meshes]).astype(np.float32),
         colors=np.concatenate([colors(mesh) for mesh in meshes]).astype(np.float32),
-        faces=np.concatenate(
-            [mesh.faces + offset for mesh, offset in zip(meshes, first_vertex, strict=False)]
-        ).astype(np.int32),
+        faces=np.concatenate([mesh.faces + offset for mesh, offset in zip(meshes, first_vertex, strict=False)]).astype(
+            np.int32
+        ),
         vertex_object=np.repeat(objects, np.diff(first_vertex)),
         face_object=np.repeat(objects, np.diff(first_face)),
         first_vertex=first_vertex,

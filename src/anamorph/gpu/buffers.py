@@ -1,0 +1,172 @@
+"""A scene on the device: vertices, triangles, materials, lights, textures."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cache
+
+import numpy as np
+import wgpu
+
+from anamorph.gpu.device import get_device
+from anamorph.gpu.textures import sky_texture, texture_array, texture_sampler
+from anamorph.scene.geometry import Geometry
+from anamorph.scene.model import AmbientLight, Diffuse, DirectionalLight, Glass, Material, PointLight, Scene, Texture
+
+VERTEX = np.dtype(
+    [("position", "f4", 3), ("normal", "f4", 3), ("texcoord", "f4", 2), ("color", "u2", 4), ("object", "u4")]
+)
+"""One vertex, as scene.wgsl and raytrace.wgsl read it."""
+
+OBJECT = np.dtype(
+    [
+        ("color", "f4", 3),
+        ("texture_layer", "u4"),
+        ("tint", "f4", 3),
+        ("parameter", "f4"),
+        ("kind", "u4"),
+        ("padding", "u4", 3),
+    ]
+)
+
+VERTEX_LAYOUT = {
+    "array_stride": VERTEX.itemsize,
+    "attributes": [
+        {"shader_location": 0, "format": "float32x3", "offset": 0},
+        {"shader_location": 1, "format": "float32x3", "offset": 12},
+        {"shader_location": 2, "format": "float32x2", "offset": 24},
+        {"shader_location": 3, "format": "unorm16x4", "offset": 32},
+        {"shader_location": 4, "format": "uint32", "offset": 40},
+    ],
+}
+
+
+@dataclass(frozen=True, eq=False)
+class SceneBuffers:
+    """What shading and drawing bind.
+
+    Parameters
+    ----------
+    vertices, indices : buffers
+    first_vertex, first_face : (meshes + 1,) int64
+        Mesh i owns vertices first_vertex[i] to first_vertex[i + 1], and triangles likewise.
+    specular : tuple of int
+        Indices of the meshes that are mirrors or glass.
+    shading : bind group
+        Group 0 of every shader.
+    """
+
+    vertices: wgpu.GPUBuffer
+    indices: wgpu.GPUBuffer
+    first_vertex: np.ndarray
+    first_face: np.ndarray
+    specular: tuple[int, ...]
+    shading: wgpu.GPUBindGroup
+
+
+@cache
+def shading_layout() -> wgpu.GPUBindGroupLayout:
+    """The layout of group 0: lighting, objects, textures and sky."""
+    stages = wgpu.ShaderStage.FRAGMENT
+    return get_device().create_bind_group_layout(
+        entries=[
+            {"binding": 0, "visibility": stages, "buffer": {"type": "read-only-storage"}},
+            {"binding": 1, "visibility": stages, "buffer": {"type": "read-only-storage"}},
+            {"binding": 2, "visibility": stages, "texture": {"view_dimension": "2d-array"}},
+            {"binding": 3, "visibility": stages, "sampler": {}},
+            {"binding": 4, "visibility": stages, "texture": {}},
+            {"binding": 5, "visibility": stages, "sampler": {}},
+        ]
+    )
+
+
+def upload_scene(scene: Scene, geometry: Geometry) -> SceneBuffers:
+    """Copy a scene to the device."""
+    device = get_device()
+    textures = _distinct_textures(scene)
+    resources = [
+        {"buffer": storage_buffer(_lighting(scene))},
+        {"buffer": storage_buffer(_objects(scene, textures))},
+        texture_array(textures).create_view(dimension="2d-array"),
+        texture_sampler(),
+        sky_texture(scene.sky.image).create_view(dimension="2d"),
+        texture_sampler(vertical="clamp-to-edge"),
+    ]
+    return SceneBuffers(
+        vertices=storage_buffer(_vertices(geometry), wgpu.BufferUsage.VERTEX),
+        indices=storage_buffer(geometry.faces.astype(np.uint32), wgpu.BufferUsage.INDEX),
+        first_vertex=geometry.first_vertex,
+        first_face=geometry.first_face,
+        specular=tuple(i for i, mesh in enumerate(scene.meshes) if mesh.specular),
+        shading=device.create_bind_group(
+            layout=shading_layout(),
+            entries=[{"binding": i, "resource": resource} for i, resource in enumerate(resources)],
+        ),
+    )
+
+
+def storage_buffer(data: np.ndarray, usage: int = 0) -> wgpu.GPUBuffer:
+    """A buffer that shaders can read, filled with `data`."""
+    return get_device().create_buffer_with_data(
+        data=np.ascontiguousarray(data), usage=wgpu.BufferUsage.STORAGE | wgpu.BufferUsage.COPY_DST | usage
+    )
+
+
+def _vertices(geometry: Geometry) -> np.ndarray:
+    vertices = np.zeros(len(geometry.positions), VERTEX)
+    vertices["position"] = geometry.positions
+    vertices["normal"] = geometry.normals
+    vertices["texcoord"] = geometry.texcoords
+    vertices["color"][:, :3] = np.rint(np.clip(geometry.colors, 0.0, 1.0) * 65535.0)
+    vertices["object"] = geometry.vertex_object
+    return vertices
+
+
+def _distinct_textures(scene: Scene) -> list[Texture]:
+    textures: dict[int, Texture] = {}
+    for mesh in scene.meshes:
+        if isinstance(mesh.material, Diffuse) and mesh.material.texture is not None:
+            textures.setdefault(id(mesh.material.texture), mesh.material.texture)
+    return list(textures.values())
+
+
+def _objects(scene: Scene, textures: list[Texture]) -> np.ndarray:
+    layers = {id(texture): layer for layer, texture in enumerate(textures, start=1)}
+    objects = np.zeros(len(scene.meshes), OBJECT)
+    for row, mesh in zip(objects, scene.meshes, strict=True):
+        _fill_object(row, mesh.material, layers)
+    return objects
+
+
+def _fill_object(row: np.void, material: Material, layers: dict[int, int]) -> None:
+    if isinstance(material, Diffuse):
+        row["color"] = material.color
+        row["texture_layer"] = layers.get(id(material.texture), 0)
+    elif isinstance(material, Glass):
+        row["color"], row["tint"], row["parameter"], row["kind"] = 1.0, material.tint, material.index, 2
+    else:
+        row["color"], row["tint"], row["parameter"], row["kind"] = material.back, material.tint, material.reflectance, 1
+
+
+def _lighting(scene: Scene) -> np.ndarray:
+    """The shader's `Lighting` structure, as 32-bit words."""
+    lights = [light for light in scene.lights if not isinstance(light, AmbientLight)]
+    ambient = [light for light in scene.lights if isinstance(light, AmbientLight)]
+    words = np.zeros((5 + 2 * max(len(lights), 1), 4), np.float32)
+    flags = words.view(np.uint32)
+    words[0, :3] = np.sum([light.sky for light in ambient] or [(0, 0, 0)], axis=0)
+    words[1, :3] = np.sum([light.ground for light in ambient] or [(0, 0, 0)], axis=0)
+    words[2, :3], words[3, :3], words[4, :3] = scene.sky.zenith, scene.sky.horizon, scene.sky.nadir
+    flags[0, 3] = len(lights)
+    flags[1, 3] = scene.sky.image is not None
+    for i, light in enumerate(lights):
+        words[5 + 2 * i, :3], flags[5 + 2 * i, 3] = _place(light)
+        words[6 + 2 * i, :3] = light.color
+    return words
+
+
+def _place(light: DirectionalLight | PointLight) -> tuple[tuple[float, float, float], int]:
+    if isinstance(light, PointLight):
+        return light.position, 1
+    unit = np.asarray(light.toward) / np.linalg.norm(light.toward)
+    return (float(unit[0]), float(unit[1]), float(unit[2])), 0

@@ -1,0 +1,170 @@
+"""Drawing: pipelines over shading.wgsl and scene.wgsl, and the passes that every method shares."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cache
+from importlib import resources
+
+import numpy as np
+import wgpu
+
+from anamorph.gpu.buffers import VERTEX_LAYOUT, SceneBuffers, shading_layout
+from anamorph.gpu.device import get_device
+from anamorph.gpu.targets import COLOR_FORMAT, DEPTH_FORMAT, MAP_FORMATS, SEEN_FORMATS
+from anamorph.projection import UNIFORM_BYTES, Projection
+
+
+def shader_module(*names: str) -> wgpu.GPUShaderModule:
+    """Whole WGSL files of the package joined end to end, shading.wgsl and scene.wgsl first."""
+    root = resources.files("anamorph")
+    files = ["gpu/shading.wgsl", "gpu/scene.wgsl", *names]
+    return get_device().create_shader_module(code="\n".join((root / name).read_text("utf-8") for name in files))
+
+
+@cache
+def projection_layout() -> wgpu.GPUBindGroupLayout:
+    """The layout of group 1: one projection."""
+    stages = wgpu.ShaderStage.VERTEX | wgpu.ShaderStage.FRAGMENT
+    return get_device().create_bind_group_layout(
+        entries=[{"binding": 0, "visibility": stages, "buffer": {"type": "uniform"}}]
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class ProjectionUniform:
+    """A projection on the device: group 1."""
+
+    buffer: wgpu.GPUBuffer
+    group: wgpu.GPUBindGroup
+
+    def write(self, projection: Projection, size: tuple[int, int]) -> None:
+        """Set it for a picture of `size`."""
+        get_device().queue.write_buffer(self.buffer, 0, projection.uniform(size))
+
+
+def projection_uniform() -> ProjectionUniform:
+    """An unset projection."""
+    device = get_device()
+    buffer = device.create_buffer(size=UNIFORM_BYTES, usage=wgpu.BufferUsage.UNIFORM | wgpu.BufferUsage.COPY_DST)
+    group = device.create_bind_group(
+        layout=projection_layout(), entries=[{"binding": 0, "resource": {"buffer": buffer}}]
+    )
+    return ProjectionUniform(buffer, group)
+
+
+def make_pipeline(
+    module: wgpu.GPUShaderModule,
+    vertex: str,
+    fragment: str,
+    formats: Sequence[str],
+    *,
+    buffers: Sequence[dict] = (VERTEX_LAYOUT,),
+    groups: Sequence[wgpu.GPUBindGroupLayout] = (),
+    samples: int = 1,
+    depth_compare: str = "greater",
+    depth_write: bool = True,
+    topology: str = "triangle-list",
+) -> wgpu.GPURenderPipeline:
+    """A pipeline that binds shading, projection, and then `groups`."""
+    device = get_device()
+    layouts = [shading_layout(), projection_layout(), *groups]
+    return device.create_render_pipeline(
+        layout=device.create_pipeline_layout(bind_group_layouts=layouts),
+        vertex={"module": module, "entry_point": vertex, "buffers": list(buffers)},
+        fragment={"module": module, "entry_point": fragment, "targets": [{"format": form} for form in formats]},
+        primitive={"topology": topology},
+        depth_stencil={
+            "format": DEPTH_FORMAT,
+            "depth_write_enabled": depth_write,
+            "depth_compare": depth_compare,
+        },
+        multisample={"count": samples},
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class ScenePipelines:
+    """Meshes and sky, for one kind of output."""
+
+    meshes: wgpu.GPURenderPipeline
+    sky: wgpu.GPURenderPipeline
+
+
+def _scene_pipelines(meshes: str, sky: str, formats: Sequence[str], samples: int = 1) -> ScenePipelines:
+    module = shader_module()
+    return ScenePipelines(
+        meshes=make_pipeline(module, "scene_vertex", meshes, formats, samples=samples),
+        sky=make_pipeline(
+            module,
+            "sky_vertex",
+            sky,
+            formats,
+            buffers=(),
+            samples=samples,
+            depth_compare="greater-equal",
+            depth_write=False,
+        ),
+    )
+
+
+@cache
+def color_pipelines(samples: int = 1) -> ScenePipelines:
+    """Shaded colour."""
+    return _scene_pipelines("scene_color", "sky_color_fragment", (COLOR_FORMAT,), samples)
+
+
+@cache
+def seen_pipelines() -> ScenePipelines:
+    """The seen buffers of a frame."""
+    return _scene_pipelines("scene_seen", "sky_seen", SEEN_FORMATS)
+
+
+@cache
+def map_pipelines() -> ScenePipelines:
+    """Depth with its slopes, from which a map's reader finds the seen point."""
+    return _scene_pipelines("scene_depth", "sky_depth", MAP_FORMATS)
+
+
+def draw_scene(
+    render_pass: wgpu.GPURenderPassEncoder,
+    pipelines: ScenePipelines,
+    buffers: SceneBuffers,
+    projection: ProjectionUniform,
+    hidden: Sequence[int] = (),
+) -> None:
+    """Draw all meshes but those whose indices are `hidden`, then the sky."""
+    render_pass.set_bind_group(0, buffers.shading)
+    render_pass.set_bind_group(1, projection.group)
+    render_pass.set_pipeline(pipelines.meshes)
+    render_pass.set_vertex_buffer(0, buffers.vertices)
+    render_pass.set_index_buffer(buffers.indices, "uint32")
+    for first, last in visible_ranges(len(buffers.first_face) - 1, hidden):
+        start, end = int(buffers.first_face[first]), int(buffers.first_face[last])
+        render_pass.draw_indexed(3 * (end - start), 1, 3 * start)
+    render_pass.set_pipeline(pipelines.sky)
+    render_pass.draw(3)
+
+
+def visible_ranges(count: int, hidden: Sequence[int]) -> list[tuple[int, int]]:
+    """The runs first to last (exclusive) of the numbers 0 to `count` that are not `hidden`."""
+    stops = np.array([*sorted(hidden), count])
+    starts = np.array([0, *(stops[:-1] + 1)])
+    return [(int(a), int(b)) for a, b in zip(starts, stops, strict=True) if b > a]
+
+
+def submit(encoder: wgpu.GPUCommandEncoder) -> None:
+    """Send recorded passes to the device."""
+    get_device().queue.submit([encoder.finish()])
+
+
+@cache
+def _token() -> wgpu.GPUBuffer:
+    return get_device().create_buffer(size=4, usage=wgpu.BufferUsage.COPY_SRC | wgpu.BufferUsage.COPY_DST)
+
+
+def wait() -> None:
+    """Return when the device has finished all that was submitted."""
+    # Reading four bytes waits for all earlier work; wgpu 0.32's own call for this raises TypeError.
+    get_device().queue.read_buffer(_token())

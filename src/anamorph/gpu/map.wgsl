@@ -1,0 +1,20 @@
+// Reading a map: what its projection saw at a place in it. Follows scene.wgsl.
+
+// The world point (w: object number), or the unit direction (w: 0), that a map sees at `place` (0 to 1, y down).
+// `depth` is the map's texel there, as scene_depth wrote it.
+fn map_point(seen_by: Projection, place: vec2f, depth: vec4f) -> vec4f {
+    let pixel = place * seen_by.size.xy;
+    let ndc = place * vec2f(2.0, -2.0) + vec2f(-1.0, 1.0);
+    if depth.w == 0.0 {
+        return vec4f(normalize(seen_by.base.xyz + ndc.x * seen_by.right.xyz + ndc.y * seen_by.up.xyz), 0.0);
+    }
+    // Depth is linear in the picture on a triangle, so its slopes carry it from the texel's centre to the place.
+    let offset = pixel - floor(pixel) - 0.5;
+    let point = seen_by.unclip * vec4f(ndc, depth.x + dot(depth.yz, offset), 1.0);
+    return vec4f(point.xyz / point.w, depth.w);
+}
+
+// The texel of a map that holds `place`.
+fn map_texel(seen_by: Projection, place: vec2f) -> vec2i {
+    return vec2i(clamp(place * seen_by.size.xy, vec2f(0.0), seen_by.size.xy - 1.0));
+}

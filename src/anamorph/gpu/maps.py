@@ -1,0 +1,130 @@
+"""Maps: pictures of the scene from somewhere else than the eye, read back by a later pass."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cache
+
+import wgpu
+
+from anamorph.gpu.buffers import SceneBuffers
+from anamorph.gpu.device import get_device
+from anamorph.gpu.drawing import (
+    ProjectionUniform,
+    ScenePipelines,
+    color_pipelines,
+    draw_scene,
+    map_pipelines,
+    projection_uniform,
+    shader_module,
+)
+from anamorph.gpu.targets import COLOR_FORMAT, MAP_FORMATS, Target, begin_pass, make_target, make_texture
+from anamorph.projection import Projection
+
+
+@dataclass(frozen=True, eq=False)
+class Map:
+    """A picture of the scene through a projection of its own: colour for frames, depth for their seen buffers.
+
+    Parameters
+    ----------
+    size : (width, height)
+    projection : ProjectionUniform
+    color, depth : Target
+    """
+
+    size: tuple[int, int]
+    projection: ProjectionUniform
+    color: Target
+    depth: Target
+
+    def write(self, projection: Projection) -> None:
+        """Set the projection for the next drawing."""
+        self.projection.write(projection, self.size)
+
+    def draw_color(self, encoder: wgpu.GPUCommandEncoder, buffers: SceneBuffers, hidden: Sequence[int]) -> None:
+        """Draw the scene's colours, all meshes but the hidden ones, and the mipmaps if it has any."""
+        self._draw(encoder, self.color, color_pipelines(self.color.samples), buffers, hidden)
+        texture = self.color.textures[0]
+        for level in range(1, texture.mip_level_count):
+            _halve(encoder, texture, level)
+
+    def draw_depth(self, encoder: wgpu.GPUCommandEncoder, buffers: SceneBuffers, hidden: Sequence[int]) -> None:
+        """Draw the scene's depth and object numbers."""
+        self._draw(encoder, self.depth, map_pipelines(), buffers, hidden)
+
+    def _draw(
+        self,
+        encoder: wgpu.GPUCommandEncoder,
+        target: Target,
+        pipelines: ScenePipelines,
+        buffers: SceneBuffers,
+        hidden: Sequence[int],
+    ) -> None:
+        render_pass = begin_pass(encoder, target)
+        draw_scene(render_pass, pipelines, buffers, self.projection, hidden)
+        render_pass.end()
+
+
+def make_map(size: tuple[int, int], antialias: int = 1, mipmaps: bool = False) -> Map:
+    """An empty map."""
+    levels = max(size).bit_length() if mipmaps else 1
+    texture = make_texture(size, COLOR_FORMAT, levels=levels)
+    return Map(
+        size=size,
+        projection=projection_uniform(),
+        color=make_target(size, (COLOR_FORMAT,), antialias, (texture,)),
+        depth=make_target(size, MAP_FORMATS),
+    )
+
+
+def make_cube(size: int) -> tuple[Map, ...]:
+    """Six maps that share the layers of two textures, in the order +x, -x, +y, -y, +z, -z."""
+    square = (size, size)
+    color = (make_texture(square, COLOR_FORMAT, layers=6),)
+    depth = (make_texture(square, MAP_FORMATS[0], layers=6),)
+    return tuple(
+        Map(
+            size=square,
+            projection=projection_uniform(),
+            color=make_target(square, (COLOR_FORMAT,), textures=color, layer=layer),
+            depth=make_target(square, MAP_FORMATS, textures=depth, layer=layer),
+        )
+        for layer in range(6)
+    )
+
+
+def map_sampler() -> wgpu.GPUSampler:
+    """Blends between texels and mip levels; ends at the map's border."""
+    return get_device().create_sampler(mag_filter="linear", min_filter="linear", mipmap_filter="linear")
+
+
+@cache
+def _halving_pipeline() -> wgpu.GPURenderPipeline:
+    module = shader_module("gpu/halve.wgsl")
+    return get_device().create_render_pipeline(
+        layout="auto",
+        vertex={"module": module, "entry_point": "sky_vertex", "buffers": []},
+        fragment={"module": module, "entry_point": "halve", "targets": [{"format": COLOR_FORMAT}]},
+        primitive={"topology": "triangle-list"},
+    )
+
+
+def _halve(encoder: wgpu.GPUCommandEncoder, texture: wgpu.GPUTexture, level: int) -> None:
+    pipeline = _halving_pipeline()
+    source = texture.create_view(base_mip_level=level - 1, mip_level_count=1)
+    group = get_device().create_bind_group(
+        layout=pipeline.get_bind_group_layout(2), entries=[{"binding": 0, "resource": source}]
+    )
+    attachment = {
+        "view": texture.create_view(base_mip_level=level, mip_level_count=1),
+        "clear_value": (0, 0, 0, 0),
+        "load_op": "clear",
+        "store_op": "store",
+    }
+    render_pass = encoder.begin_render_pass(color_attachments=[attachment])
+    render_pass.set_pipeline(pipeline)
+    render_pass.set_bind_group(2, group)
+    render_pass.draw(3)
+    render_pass.end()

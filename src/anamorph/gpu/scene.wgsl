@@ -1,0 +1,122 @@
+// Drawing the scene's meshes and its sky through one projection: the eye's, or a map's. Follows shading.wgsl.
+
+struct Projection {
+    clip: mat4x4f,
+    unclip: mat4x4f,
+    // The picture point (x, y), each in -1 to 1, looks along base + x right + y up; w: the angle of a pixel.
+    base: vec4f,
+    right: vec4f,
+    up: vec4f,
+    eye: vec4f,
+    // Pixels of the picture.
+    size: vec4f,
+}
+
+@group(1) @binding(0) var<uniform> projection: Projection;
+
+struct VertexIn {
+    @location(0) position: vec3f,
+    @location(1) normal: vec3f,
+    @location(2) texcoord: vec2f,
+    @location(3) color: vec4f,
+    @location(4) object: u32,
+}
+
+struct SceneFragment {
+    @builtin(position) pixel: vec4f,
+    @location(0) position: vec3f,
+    @location(1) normal: vec3f,
+    @location(2) texcoord: vec2f,
+    @location(3) color: vec3f,
+    @location(4) @interpolate(flat) object: u32,
+}
+
+// What a pixel sees: the world point and the object, and how it got its value.
+struct Seen {
+    // xyz: world point (unit direction where w is 0), w: object number.
+    @location(0) point: vec4f,
+    // Specular object number in the low 16 bits, status above.
+    @location(1) flags: u32,
+}
+
+const STATUS_DIRECT = 0u;
+const STATUS_WARPED = 1u;
+const STATUS_SKY = 4u;
+const STATUS_OUTSIDE = 6u;
+
+fn seen_flags(specular: u32, status: u32) -> u32 {
+    return specular | (status << 16u);
+}
+
+// The direction in which a pixel looks, not unit.
+fn viewing_direction(pixel: vec2f) -> vec3f {
+    let place = pixel / projection.size.xy * vec2f(2.0, -2.0) + vec2f(-1.0, 1.0);
+    return projection.base.xyz + place.x * projection.right.xyz + place.y * projection.up.xyz;
+}
+
+fn surface_point(fragment: SceneFragment) -> SurfacePoint {
+    var point: SurfacePoint;
+    point.position = fragment.position;
+    point.normal = normalize(fragment.normal);
+    point.texcoord = fragment.texcoord;
+    point.texcoord_dx = dpdx(fragment.texcoord);
+    point.texcoord_dy = dpdy(fragment.texcoord);
+    point.color = fragment.color;
+    point.object = fragment.object;
+    return point;
+}
+
+@vertex
+fn scene_vertex(vertex: VertexIn) -> SceneFragment {
+    var fragment: SceneFragment;
+    fragment.pixel = projection.clip * vec4f(vertex.position, 1.0);
+    fragment.position = vertex.position;
+    fragment.normal = vertex.normal;
+    fragment.texcoord = vertex.texcoord;
+    fragment.color = vertex.color.rgb;
+    fragment.object = vertex.object;
+    return fragment;
+}
+
+@fragment
+fn scene_color(fragment: SceneFragment) -> @location(0) vec4f {
+    let point = surface_point(fragment);
+    let direction = normalize(viewing_direction(fragment.pixel.xy));
+    if objects[point.object - 1u].kind == DIFFUSE {
+        return vec4f(shade(point, direction), 1.0);
+    }
+    return vec4f(specular_stand_in(point, direction, projection.base.w), 1.0);
+}
+
+@fragment
+fn scene_seen(fragment: SceneFragment) -> Seen {
+    return Seen(vec4f(fragment.position, f32(fragment.object)), seen_flags(0u, STATUS_DIRECT));
+}
+
+// For a map's reader: depth is linear in the picture on each triangle, so that depth, its slopes and the object
+// number give back the seen point anywhere in the texel.
+@fragment
+fn scene_depth(fragment: SceneFragment) -> @location(0) vec4f {
+    return vec4f(fragment.pixel.z, dpdx(fragment.pixel.z), dpdy(fragment.pixel.z), f32(fragment.object));
+}
+
+@vertex
+fn sky_vertex(@builtin(vertex_index) index: u32) -> @builtin(position) vec4f {
+    let corner = vec2f(f32((index << 1u) & 2u), f32(index & 2u));
+    return vec4f(corner * 2.0 - 1.0, 0.0, 1.0);
+}
+
+@fragment
+fn sky_color_fragment(@builtin(position) pixel: vec4f) -> @location(0) vec4f {
+    return vec4f(sky_color(viewing_direction(pixel.xy), projection.base.w), 1.0);
+}
+
+@fragment
+fn sky_seen(@builtin(position) pixel: vec4f) -> Seen {
+    return Seen(vec4f(normalize(viewing_direction(pixel.xy)), 0.0), seen_flags(0u, STATUS_SKY));
+}
+
+@fragment
+fn sky_depth(@builtin(position) pixel: vec4f) -> @location(0) vec4f {
+    return vec4f(0.0);
+}

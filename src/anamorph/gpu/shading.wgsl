@@ -1,0 +1,142 @@
+// The one place where a surface point gets a colour. Every shader of the package starts with this file.
+
+struct Light {
+    // Directional: unit vector toward the light. Point: its position.
+    place: vec3f,
+    // 0: directional, 1: point.
+    kind: u32,
+    color: vec3f,
+    padding: f32,
+}
+
+struct Lighting {
+    ambient_sky: vec3f,
+    light_count: u32,
+    ambient_ground: vec3f,
+    // 1 where an image replaces the gradient.
+    sky_image: u32,
+    zenith: vec3f,
+    padding_0: f32,
+    horizon: vec3f,
+    padding_1: f32,
+    nadir: vec3f,
+    padding_2: f32,
+    lights: array<Light>,
+}
+
+// Taps of the texture filter: footprints up to so many times as long as wide stay sharp.
+const MAXIMUM_TAPS = 8.0;
+
+// kind of an object
+const DIFFUSE = 0u;
+const MIRROR = 1u;
+const GLASS = 2u;
+
+struct Object {
+    color: vec3f,
+    // Layer of the texture array; layer 0 is white.
+    texture_layer: u32,
+    tint: vec3f,
+    // A mirror's reflectance at normal incidence, a glass's refractive index.
+    parameter: f32,
+    kind: u32,
+    padding_0: u32,
+    padding_1: u32,
+    padding_2: u32,
+}
+
+struct SurfacePoint {
+    position: vec3f,
+    normal: vec3f,
+    texcoord: vec2f,
+    // How the texture coordinates change to the next pixel.
+    texcoord_dx: vec2f,
+    texcoord_dy: vec2f,
+    color: vec3f,
+    object: u32,
+}
+
+@group(0) @binding(0) var<storage, read> lighting: Lighting;
+// Indexed by object number less one.
+@group(0) @binding(1) var<storage, read> objects: array<Object>;
+@group(0) @binding(2) var diffuse_textures: texture_2d_array<f32>;
+@group(0) @binding(3) var diffuse_sampler: sampler;
+@group(0) @binding(4) var sky_texture: texture_2d<f32>;
+@group(0) @binding(5) var sky_sampler: sampler;
+
+// The texture's mean over the pixel's slanted footprint: taps along its longer axis, each as wide as its shorter one.
+// The sampler's own anisotropic filter is the same idea, but ten times slower on software Vulkan.
+fn filtered_texel(point: SurfacePoint, layer: u32) -> vec3f {
+    let size = f32(textureDimensions(diffuse_textures).x);
+    let dx = point.texcoord_dx;
+    let dy = point.texcoord_dy;
+    let longer = select(dy, dx, dot(dx, dx) > dot(dy, dy));
+    let major = max(length(longer), 1e-12);
+    let minor = abs(dx.x * dy.y - dx.y * dy.x) / major;
+    // No more taps than texels: a magnified texture needs one.
+    let taps = clamp(ceil(min(major / max(minor, 1e-12), major * size)), 1.0, MAXIMUM_TAPS);
+    let level = log2(max(major / taps, minor) * size);
+    var sum = vec3f(0.0);
+    for (var tap = 0.5; tap < taps; tap += 1.0) {
+        let place = point.texcoord + longer * (tap / taps - 0.5);
+        sum += textureSampleLevel(diffuse_textures, diffuse_sampler, place, layer, level).rgb;
+    }
+    return sum / taps;
+}
+
+// Diffuse colour of a point whose normal is turned to the side it is seen from.
+fn shade(point: SurfacePoint, direction: vec3f) -> vec3f {
+    let object = objects[point.object - 1u];
+    let normal = faceForward(point.normal, direction, point.normal);
+    var light = mix(lighting.ambient_ground, lighting.ambient_sky, 0.5 + 0.5 * normal.y);
+    for (var i = 0u; i < lighting.light_count; i++) {
+        let source = lighting.lights[i];
+        var toward = source.place;
+        var strength = 1.0;
+        if source.kind == 1u {
+            let offset = source.place - point.position;
+            let square = max(dot(offset, offset), 1e-8);
+            toward = offset * inverseSqrt(square);
+            strength = 1.0 / square;
+        }
+        light += source.color * (strength * max(dot(normal, toward), 0.0));
+    }
+    var color = light * object.color * point.color;
+    if object.texture_layer > 0u {
+        color *= filtered_texel(point, object.texture_layer);
+    }
+    return color;
+}
+
+// What a ray sees that hits nothing; `spread` is the angle of a pixel, radians.
+fn sky_color(direction: vec3f, spread: f32) -> vec3f {
+    let unit = normalize(direction);
+    if lighting.sky_image == 1u {
+        let width = f32(textureDimensions(sky_texture).x);
+        let level = max(log2(spread * width / 6.2831853), 0.0);
+        let u = 0.5 + atan2(unit.x, -unit.z) / 6.2831853;
+        let v = acos(clamp(unit.y, -1.0, 1.0)) / 3.14159265;
+        return textureSampleLevel(sky_texture, sky_sampler, vec2f(u, v), level).rgb;
+    }
+    return mix(lighting.horizon, select(lighting.nadir, lighting.zenith, unit.y > 0.0), sqrt(abs(unit.y)));
+}
+
+// Tint and Schlick's reflectance of a mirror at the cosine between its normal and the ray.
+fn mirror_reflectance(number: u32, cosine: f32) -> vec3f {
+    let object = objects[number - 1u];
+    let rest = pow(1.0 - clamp(abs(cosine), 0.0, 1.0), 5.0);
+    return object.tint * (object.parameter + (1.0 - object.parameter) * rest);
+}
+
+// A specular point where no reflection is drawn for it: a mirror of the sky alone, a glass that lets it through.
+fn specular_stand_in(point: SurfacePoint, direction: vec3f, spread: f32) -> vec3f {
+    let object = objects[point.object - 1u];
+    let cosine = dot(point.normal, direction);
+    if object.kind == GLASS {
+        return object.tint * sky_color(direction, spread);
+    }
+    if cosine >= 0.0 {
+        return shade(point, direction);
+    }
+    return mirror_reflectance(point.object, cosine) * sky_color(reflect(direction, point.normal), spread);
+}

@@ -1,0 +1,95 @@
+"""The diffuse textures of a scene as one texture array with mipmaps, and the sky's image."""
+
+from __future__ import annotations
+
+import numpy as np
+import wgpu
+from PIL import Image
+
+from anamorph.gpu.device import get_device, maximum_size
+from anamorph.scene.model import Texture
+
+MEMORY = 256 * 2**20
+"""Bytes that the finest level of a scene's texture array may take."""
+
+
+def srgb_to_linear(encoded: np.ndarray) -> np.ndarray:
+    """Linear light of sRGB values in 0 to 1, of any shape."""
+    encoded = np.asarray(encoded)
+    return np.where(encoded <= 0.04045, encoded / 12.92, ((encoded + 0.055) / 1.055) ** 2.4)
+
+
+def linear_to_srgb(linear: np.ndarray) -> np.ndarray:
+    """sRGB values in 0 to 1 of linear light, of any shape; light outside 0 to 1 is clipped."""
+    linear = np.clip(linear, 0.0, 1.0)
+    return np.where(linear <= 0.0031308, linear * 12.92, 1.055 * linear ** (1.0 / 2.4) - 0.055)
+
+
+def mip_levels(pixels: np.ndarray) -> list[np.ndarray]:
+    """Successive halvings of sRGB `pixels` (H, W, 4) uint8, averaged in linear light, down to one pixel."""
+    levels = [pixels]
+    linear = srgb_to_linear(pixels / np.float32(255.0))
+    while max(linear.shape[:2]) > 1:
+        rows, columns = linear.shape[0] // 2, linear.shape[1] // 2
+        if rows:
+            linear = (linear[0 : 2 * rows : 2] + linear[1 : 2 * rows : 2]) / 2.0
+        if columns:
+            linear = (linear[:, 0 : 2 * columns : 2] + linear[:, 1 : 2 * columns : 2]) / 2.0
+        levels.append(np.rint(linear_to_srgb(linear) * 255.0).astype(np.uint8))
+    return levels
+
+
+def _layer_size(textures: list[Texture]) -> int:
+    """The power of two that serves the largest texture, inside the device's limit and the memory set aside."""
+    largest = max((max(texture.pixels.shape[:2]) for texture in textures), default=1)
+    size = 1 << (int(largest) - 1).bit_length()
+    while size > maximum_size() or 4 * size * size * (len(textures) + 1) > MEMORY:
+        size //= 2
+    return size
+
+
+def _upload(layers: list[np.ndarray]) -> wgpu.GPUTexture:
+    device = get_device()
+    height, width = layers[0].shape[:2]
+    texture = device.create_texture(
+        size=(width, height, len(layers)),
+        format="rgba8unorm-srgb",
+        usage=wgpu.TextureUsage.TEXTURE_BINDING | wgpu.TextureUsage.COPY_DST,
+        mip_level_count=max(width, height).bit_length(),
+    )
+    for layer, pixels in enumerate(layers):
+        for level, image in enumerate(mip_levels(pixels)):
+            rows, columns = image.shape[:2]
+            device.queue.write_texture(
+                {"texture": texture, "mip_level": level, "origin": (0, 0, layer)},
+                np.ascontiguousarray(image),
+                {"bytes_per_row": 4 * columns, "rows_per_image": rows},
+                (columns, rows, 1),
+            )
+    return texture
+
+
+def texture_array(textures: list[Texture]) -> wgpu.GPUTexture:
+    """Layer 0 white, then each texture, resampled to one common square size; texture coordinates stay as they are."""
+    size = _layer_size(textures)
+    layers = [np.full((size, size, 4), 255, np.uint8)]
+    for texture in textures:
+        image = Image.fromarray(texture.pixels)
+        layers.append(np.asarray(image.resize((size, size), Image.Resampling.LANCZOS)))
+    return _upload(layers)
+
+
+def sky_texture(image: Texture | None) -> wgpu.GPUTexture:
+    """The sky's image, or one white pixel where there is none."""
+    return _upload([np.full((1, 1, 4), 255, np.uint8) if image is None else image.pixels])
+
+
+def texture_sampler(vertical: str = "repeat") -> wgpu.GPUSampler:
+    """Repeats, and blends between texels and between mip levels."""
+    return get_device().create_sampler(
+        address_mode_u="repeat",
+        address_mode_v=vertical,
+        mag_filter="linear",
+        min_filter="linear",
+        mipmap_filter="linear",
+    )

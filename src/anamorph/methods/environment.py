@@ -1,0 +1,240 @@
+"""Environment mapping: what the reflected direction sees from the reflector's centre; the baseline that everyone uses.
+
+Source: Blinn and Newell 1976; cube maps after Greene 1986. `mode=planar` is the other common way, for flat mirrors
+alone: the scene drawn once more from the mirrored eye.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import wgpu
+
+from anamorph.errors import AnamorphError
+from anamorph.frame import View
+from anamorph.gpu.buffers import storage_buffer
+from anamorph.gpu.device import get_device
+from anamorph.gpu.drawing import make_pipeline, shader_module
+from anamorph.gpu.maps import make_cube, map_sampler
+from anamorph.gpu.reflectors import draw_reflector
+from anamorph.gpu.targets import COLOR_FORMAT, SEEN_FORMATS
+from anamorph.methods.pervertex import PerVertexDrawing
+from anamorph.methods.pervertex import Options as PerVertexOptions
+from anamorph.methods.protocol import Method, Session
+from anamorph.methods.session import DrawingSession, Stage
+from anamorph.optics.reflection import Reflector, reflected_rays, reflector
+from anamorph.projection import UNIFORM_BYTES, Projection, pinhole_projection
+from anamorph.raymesh import RayMesh, RayStatus
+from anamorph.scene.camera import Camera
+
+DEFAULT_FACE, MAXIMUM_FACE = 1024, 4096
+"""Texels along an edge that a cube map takes at most by itself, and when asked."""
+
+FACES = (
+    ((0, 0, -1), (0, 1, 0), (1, 0, 0)),
+    ((0, 0, 1), (0, 1, 0), (-1, 0, 0)),
+    ((1, 0, 0), (0, 0, -1), (0, 1, 0)),
+    ((1, 0, 0), (0, 0, 1), (0, -1, 0)),
+    ((1, 0, 0), (0, 1, 0), (0, 0, 1)),
+    ((-1, 0, 0), (0, 1, 0), (0, 0, -1)),
+)
+"""Right, up and forward of each face of a cube map, as WebGPU orders and orients them."""
+
+
+@dataclass(frozen=True)
+class Options:
+    """Options of `environment`.
+
+    Parameters
+    ----------
+    mode : str
+        "cube", or "planar" for flat mirrors.
+    update : str
+        When the cube map is drawn: "always", or "once" (static).
+    face : int
+        Texels along an edge of the cube map; 0 takes one for each pixel of the picture, up to 1024.
+    antialias : int
+        Samples a pixel of the picture: 1 or 4.
+    """
+
+    mode: str = "cube"
+    update: str = "always"
+    face: int = 0
+    antialias: int = 1
+
+
+def cube_projections(center: np.ndarray, near: float) -> list[Projection]:
+    """The six views of a cube map around `center`."""
+    return [
+        pinhole_projection(center, *(np.array(axis, float) for axis in (forward, right, up)), near)
+        for right, up, forward in FACES
+    ]
+
+
+def face_size(rays: RayMesh) -> int:
+    """Texels along an edge of a cube map that give each pixel of the picture one, by the median over the mesh."""
+    edges = np.concatenate([rays.faces[:, [0, 1]], rays.faces[:, [1, 2]]])
+    edges = edges[((rays.status == RayStatus.OK) & (rays.picture[:, 2] > 0.0))[edges].all(axis=1)]
+    if not len(edges):
+        return 64
+    places = rays.picture[:, :2] / np.where(rays.picture[:, 2:] > 0.0, rays.picture[:, 2:], 1.0)
+    pixels = np.linalg.norm(places[edges[:, 0]] - places[edges[:, 1]], axis=1)
+    directions = rays.unit_directions()
+    angles = np.linalg.norm(directions[edges[:, 0]] - directions[edges[:, 1]], axis=1)
+    return int(np.clip(2.0 * np.median(pixels / np.maximum(angles, 1e-6)), 64, DEFAULT_FACE))
+
+
+def faces_needed(rays: RayMesh) -> list[int]:
+    """The faces of a cube map that the mesh's directions, and those between them, can meet."""
+    directions = rays.unit_directions()
+    edges = np.concatenate([rays.faces[:, [0, 1]], rays.faces[:, [1, 2]], rays.faces[:, [2, 0]]])
+    spread = np.linalg.norm(directions[edges[:, 0]] - directions[edges[:, 1]], axis=1).max(initial=0.0)
+    reach = np.pi / 4.0 + spread
+    if reach >= np.pi / 2.0:
+        return list(range(6))
+    needed = []
+    for face, axes in enumerate(np.array(FACES, float)):
+        right, up, forward = np.abs(directions @ axes[0]), np.abs(directions @ axes[1]), directions @ axes[2]
+        if (np.maximum(right, up) <= np.tan(reach) * forward).any():
+            needed.append(face)
+    return needed
+
+
+class _CubeReflector:
+    """One mirror and the cube map around it."""
+
+    def __init__(self, stage: Stage, index: int, options: Options, layout: wgpu.GPUBindGroupLayout) -> None:
+        self.index = index
+        self.mirror: Reflector = reflector(stage.view.scene.meshes[index])
+        low, high = self.mirror.positions.min(axis=0), self.mirror.positions.max(axis=0)
+        size = options.face or face_size(reflected_rays(self.mirror, stage.view.camera, stage.view.size))
+        self.maps = make_cube(size)
+        projections = cube_projections((low + high) / 2.0, near=1e-3 * float(np.linalg.norm(high - low)))
+        for face, projection in zip(self.maps, projections, strict=True):
+            face.write(projection)
+        uniforms = np.concatenate([projection.uniform((size, size)) for projection in projections])
+        assert uniforms.nbytes == 6 * UNIFORM_BYTES
+        resources = [
+            {"buffer": storage_buffer(uniforms)},
+            self.maps[0].color.textures[0].create_view(dimension="cube"),
+            map_sampler(),
+            self.maps[0].depth.textures[0].create_view(dimension="2d-array"),
+        ]
+        self.group = get_device().create_bind_group(
+            layout=layout, entries=[{"binding": i, "resource": r} for i, r in enumerate(resources)]
+        )
+
+
+class CubeDrawing:
+    """Draws every mirror of a scene by cube maps. See `SpecularDrawing`."""
+
+    def __init__(self, stage: Stage, options: Options) -> None:
+        self._stage, self._options = stage, options
+        layout = _layout()
+        self._reflectors = [_CubeReflector(stage, index, options, layout) for index in stage.buffers.specular]
+        self.replaced = stage.buffers.specular
+        self._drawn = False
+        module = shader_module("gpu/map.wgsl", "methods/environment.wgsl")
+        self._color = make_pipeline(
+            module,
+            "scene_vertex",
+            "environment_color",
+            (COLOR_FORMAT,),
+            groups=(layout,),
+            samples=options.antialias,
+        )
+        self._seen = make_pipeline(module, "scene_vertex", "environment_seen", SEEN_FORMATS, groups=(layout,))
+
+    def prepare(self, encoder: wgpu.GPUCommandEncoder, camera: Camera, shift: tuple[float, float]) -> None:
+        """Draw each mirror's cube map, all of it once, or every time the faces that the frame needs."""
+        if self._drawn and self._options.update == "once":
+            return
+        for item in self._reflectors:
+            faces = range(6)
+            if self._options.update == "always":
+                faces = faces_needed(reflected_rays(item.mirror, camera, self._stage.view.size))
+            for face in faces:
+                item.maps[face].draw_color(encoder, self._stage.buffers, (item.index,))
+        self._drawn = True
+
+    def prepare_seen(self, encoder: wgpu.GPUCommandEncoder) -> None:
+        """Draw what the cube maps see, for the seen buffers."""
+        for item in self._reflectors:
+            for face in item.maps:
+                face.draw_depth(encoder, self._stage.buffers, (item.index,))
+
+    def draw_color(self, render_pass: wgpu.GPURenderPassEncoder) -> None:
+        """The mirrors, with their cube maps."""
+        self._draw(render_pass, self._color)
+
+    def draw_seen(self, render_pass: wgpu.GPURenderPassEncoder) -> None:
+        """The mirrors' seen buffers."""
+        self._draw(render_pass, self._seen)
+
+    def _draw(self, render_pass: wgpu.GPURenderPassEncoder, pipeline: wgpu.GPURenderPipeline) -> None:
+        render_pass.set_pipeline(pipeline)
+        for item in self._reflectors:
+            render_pass.set_bind_group(2, item.group)
+            draw_reflector(render_pass, self._stage.buffers, item.index)
+
+    def rays(self) -> None:
+        """The method knows directions, not rays."""
+        return None
+
+
+def _layout() -> wgpu.GPUBindGroupLayout:
+    stage = wgpu.ShaderStage.FRAGMENT
+    return get_device().create_bind_group_layout(
+        entries=[
+            {"binding": 0, "visibility": stage, "buffer": {"type": "read-only-storage"}},
+            {"binding": 1, "visibility": stage, "texture": {"view_dimension": "cube"}},
+            {"binding": 2, "visibility": stage, "sampler": {}},
+            {
+                "binding": 3,
+                "visibility": stage,
+                "texture": {"sample_type": "unfilterable-float", "view_dimension": "2d-array"},
+            },
+        ]
+    )
+
+
+def _check_flat(view: View) -> None:
+    for mesh in view.scene.meshes:
+        if not mesh.specular:
+            continue
+        offsets = np.asarray(mesh.positions, float) - mesh.positions.mean(axis=0)
+        flatness = np.linalg.svd(offsets, compute_uv=False)[-1]
+        if flatness > 1e-4 * np.linalg.norm(np.ptp(mesh.positions, axis=0)):
+            raise AnamorphError(f"environment: mode=planar needs flat mirrors, {mesh.name!r} is curved; give mode=cube")
+
+
+def _choose(name: str, value: object, allowed: tuple[object, ...]) -> None:
+    if value not in allowed:
+        raise AnamorphError(f"environment: {name} is {value}; give {' or '.join(map(str, allowed))}")
+
+
+def open_session(view: View, options: Options) -> Session:
+    """Start drawing `view` by environment mapping."""
+    _choose("mode", options.mode, ("cube", "planar"))
+    _choose("update", options.update, ("always", "once"))
+    _choose("antialias", options.antialias, (1, 4))
+    if not 0 <= options.face <= MAXIMUM_FACE:
+        raise AnamorphError(f"environment: face is {options.face}; give a number of texels from 1 to {MAXIMUM_FACE}, or 0")
+    stage = Stage(view)
+    if options.mode == "planar":
+        _check_flat(view)
+        # The mirrored eye is the one point that all lines of a flat mirror share, and its picture needs no warp but
+        # the projective one that per-vertex reflection does.
+        planar = PerVertexDrawing(stage, PerVertexOptions(antialias=options.antialias))
+        return DrawingSession(stage, planar, options.antialias)
+    return DrawingSession(stage, CubeDrawing(stage, options), options.antialias)
+
+
+METHOD = Method(
+    name="environment",
+    summary="a cube map from the reflector's centre, looked up by direction; or planar reflection",
+    source="Blinn and Newell 1976; Greene 1986",
+    options=Options,
+    open=open_session,
+)

@@ -1,0 +1,51 @@
+// Environment mapping: a cube map looked up by the reflected direction alone. Follows map.wgsl.
+
+@group(2) @binding(0) var<storage, read> faces: array<Projection, 6>;
+@group(2) @binding(1) var cube_color: texture_cube<f32>;
+@group(2) @binding(2) var cube_sampler: sampler;
+@group(2) @binding(3) var cube_depth: texture_2d_array<f32>;
+
+// The face, in the order +x, -x, +y, -y, +z, -z, and the place on it (0 to 1, y down) that a direction meets.
+struct CubePlace {
+    face: u32,
+    place: vec2f,
+}
+
+fn cube_place(direction: vec3f) -> CubePlace {
+    let size = abs(direction);
+    var face = select(5u, 4u, direction.z > 0.0);
+    if size.x >= size.y && size.x >= size.z {
+        face = select(1u, 0u, direction.x > 0.0);
+    } else if size.y >= size.z {
+        face = select(3u, 2u, direction.y > 0.0);
+    }
+    let basis = faces[face];
+    let along = dot(direction, basis.base.xyz);
+    let place = vec2f(dot(direction, basis.right.xyz), dot(direction, basis.up.xyz)) / along;
+    return CubePlace(face, place * vec2f(0.5, -0.5) + 0.5);
+}
+
+@fragment
+fn environment_color(fragment: SceneFragment) -> @location(0) vec4f {
+    let normal = normalize(fragment.normal);
+    let direction = normalize(fragment.position - projection.eye.xyz);
+    let cosine = dot(normal, direction);
+    let reflected = textureSample(cube_color, cube_sampler, reflect(direction, normal)).rgb;
+    if cosine >= 0.0 {
+        return vec4f(specular_stand_in(surface_point(fragment), direction, projection.base.w), 1.0);
+    }
+    return vec4f(mirror_reflectance(fragment.object, cosine) * reflected, 1.0);
+}
+
+@fragment
+fn environment_seen(fragment: SceneFragment) -> Seen {
+    let normal = normalize(fragment.normal);
+    let direction = normalize(fragment.position - projection.eye.xyz);
+    if dot(normal, direction) >= 0.0 {
+        return Seen(vec4f(fragment.position, f32(fragment.object)), seen_flags(0u, STATUS_DIRECT));
+    }
+    let found = cube_place(reflect(direction, normal));
+    let depth = textureLoad(cube_depth, map_texel(faces[found.face], found.place), found.face, 0);
+    let point = map_point(faces[found.face], found.place, depth);
+    return Seen(point, seen_flags(fragment.object, select(STATUS_WARPED, STATUS_SKY, point.w == 0.0)));
+}

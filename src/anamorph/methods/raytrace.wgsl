@@ -1,0 +1,148 @@
+// The ray-traced reference: hits that the CPU found, coloured by the shading that every method uses. Follows scene.wgsl.
+
+struct Rectangle {
+    corner: vec2u,
+    size: vec2u,
+}
+
+// One pixel's path, as methods/paths.py writes it.
+struct PathEnd {
+    origin: vec3f,
+    // -1: the sky.
+    triangle: i32,
+    direction: vec3f,
+    // Specular object in the low 16 bits, status in the next 8, bounces in the high 8.
+    flags: u32,
+    throughput: vec3f,
+    distance: f32,
+    barycentric: vec2f,
+    padding: vec2f,
+}
+
+struct StoredVertex {
+    x: f32, y: f32, z: f32,
+    normal_x: f32, normal_y: f32, normal_z: f32,
+    u: f32, v: f32,
+    color_red_green: u32, color_blue: u32,
+    object: u32,
+}
+
+@group(2) @binding(0) var<uniform> rectangle: Rectangle;
+@group(2) @binding(1) var<storage, read> paths: array<PathEnd>;
+@group(2) @binding(2) var<storage, read> vertices: array<StoredVertex>;
+@group(2) @binding(3) var<storage, read> indices: array<u32>;
+
+struct Triangle {
+    corner: vec3f,
+    edge_1: vec3f,
+    edge_2: vec3f,
+    texcoord: vec2f,
+    texcoord_1: vec2f,
+    texcoord_2: vec2f,
+}
+
+fn path_number(pixel: vec2u) -> u32 {
+    let place = pixel - rectangle.corner;
+    return place.y * rectangle.size.x + place.x;
+}
+
+fn position_of(vertex: StoredVertex) -> vec3f {
+    return vec3f(vertex.x, vertex.y, vertex.z);
+}
+
+fn normal_of(vertex: StoredVertex) -> vec3f {
+    return vec3f(vertex.normal_x, vertex.normal_y, vertex.normal_z);
+}
+
+fn texcoord_of(vertex: StoredVertex) -> vec2f {
+    return vec2f(vertex.u, vertex.v);
+}
+
+fn color_of(vertex: StoredVertex) -> vec3f {
+    return vec3f(unpack2x16unorm(vertex.color_red_green), unpack2x16unorm(vertex.color_blue).x);
+}
+
+// The path of a pixel beside this one by `step`, if it takes the same way: its ray is then this pixel's footprint.
+fn beside(pixel: vec2u, step: vec2i, path: PathEnd) -> PathEnd {
+    let place = vec2i(pixel) - vec2i(rectangle.corner) + step;
+    if all(place >= vec2i(0)) && all(place < vec2i(rectangle.size)) {
+        let other = paths[u32(place.y) * rectangle.size.x + u32(place.x)];
+        let way = 0xFF00FFFFu;
+        if (other.flags & way) == (path.flags & way) {
+            return other;
+        }
+    }
+    return path;
+}
+
+// How the texture coordinates change from this path to another that hits the same plane.
+fn texcoord_change(triangle: Triangle, path: PathEnd, other: PathEnd) -> vec2f {
+    let normal = cross(triangle.edge_1, triangle.edge_2);
+    let slant = dot(normal, other.direction);
+    let limit = 1e-6 * length(normal);
+    let along = dot(normal, triangle.corner - other.origin) / select(slant, limit, abs(slant) < limit);
+    let offset = other.origin + along * other.direction - triangle.corner;
+    let weights = vec2f(dot(cross(offset, triangle.edge_2), normal), dot(cross(triangle.edge_1, offset), normal))
+        / max(dot(normal, normal), 1e-30);
+    let change = weights - path.barycentric;
+    return clamp(change.x * triangle.texcoord_1 + change.y * triangle.texcoord_2, vec2f(-4.0), vec2f(4.0));
+}
+
+fn path_color(pixel: vec2u) -> vec3f {
+    let path = paths[path_number(pixel)];
+    // One step each way: the way back serves where the way on leads elsewhere.
+    var right = beside(pixel, vec2i(1, 0), path);
+    if all(right.direction == path.direction) {
+        right = beside(pixel, vec2i(-1, 0), path);
+    }
+    var down = beside(pixel, vec2i(0, 1), path);
+    if all(down.direction == path.direction) {
+        down = beside(pixel, vec2i(0, -1), path);
+    }
+    let spread = max(length(right.direction - path.direction), length(down.direction - path.direction));
+    if path.triangle < 0 {
+        return path.throughput * sky_color(path.direction, spread);
+    }
+    let first = 3u * u32(path.triangle);
+    let a = vertices[indices[first]];
+    let b = vertices[indices[first + 1u]];
+    let c = vertices[indices[first + 2u]];
+    let corner = position_of(a);
+    let triangle = Triangle(
+        corner,
+        position_of(b) - corner,
+        position_of(c) - corner,
+        texcoord_of(a),
+        texcoord_of(b) - texcoord_of(a),
+        texcoord_of(c) - texcoord_of(a),
+    );
+    let weights = vec3f(1.0 - path.barycentric.x - path.barycentric.y, path.barycentric);
+    var point: SurfacePoint;
+    point.position = corner + weights.y * triangle.edge_1 + weights.z * triangle.edge_2;
+    point.normal = normalize(weights.x * normal_of(a) + weights.y * normal_of(b) + weights.z * normal_of(c));
+    point.texcoord = triangle.texcoord + weights.y * triangle.texcoord_1 + weights.z * triangle.texcoord_2;
+    point.texcoord_dx = texcoord_change(triangle, path, right);
+    point.texcoord_dy = texcoord_change(triangle, path, down);
+    point.color = weights.x * color_of(a) + weights.y * color_of(b) + weights.z * color_of(c);
+    point.object = a.object;
+    if objects[point.object - 1u].kind == DIFFUSE {
+        return path.throughput * shade(point, path.direction);
+    }
+    return path.throughput * specular_stand_in(point, path.direction, spread);
+}
+
+@fragment
+fn traced_color(@builtin(position) pixel: vec4f) -> @location(0) vec4f {
+    return vec4f(path_color(vec2u(pixel.xy)), 1.0);
+}
+
+@fragment
+fn traced_seen(@builtin(position) pixel: vec4f) -> Seen {
+    let path = paths[path_number(vec2u(pixel.xy))];
+    let flags = path.flags & 0xFFFFFFu;
+    if path.triangle < 0 {
+        return Seen(vec4f(path.direction, 0.0), flags);
+    }
+    let object = vertices[indices[3u * u32(path.triangle)]].object;
+    return Seen(vec4f(path.origin + path.distance * path.direction, f32(object)), flags);
+}

@@ -1,0 +1,120 @@
+"""The session that all methods share: the scene drawn from the eye, and the method's own drawing of specular meshes."""
+
+from __future__ import annotations
+
+from typing import Protocol
+
+import numpy as np
+import wgpu
+
+from anamorph.errors import AnamorphError
+from anamorph.frame import Frame, View
+from anamorph.gpu.buffers import SceneBuffers, upload_scene
+from anamorph.gpu.device import get_device, maximum_size
+from anamorph.gpu.drawing import (
+    ProjectionUniform,
+    color_pipelines,
+    draw_scene,
+    projection_uniform,
+    seen_pipelines,
+    submit,
+    wait,
+)
+from anamorph.gpu.targets import COLOR_FORMAT, SEEN_FORMATS, begin_pass, make_target, read_texture
+from anamorph.projection import camera_projection
+from anamorph.scene.camera import Camera
+from anamorph.scene.geometry import Geometry, flatten
+
+
+class SpecularDrawing(Protocol):
+    """How one method draws the specular meshes of a scene."""
+
+    @property
+    def replaced(self) -> tuple[int, ...]:
+        """Indices of the meshes that this drawing draws itself, known once the frame is prepared."""
+        ...
+
+    def prepare(self, encoder: wgpu.GPUCommandEncoder, camera: Camera, shift: tuple[float, float]) -> None:
+        """Record whatever must be drawn or uploaded before the picture: maps, texture coordinates, hits."""
+        ...
+
+    def draw_color(self, render_pass: wgpu.GPURenderPassEncoder) -> None:
+        """Draw into the picture; the shading and projection groups are bound."""
+        ...
+
+    def prepare_seen(self, encoder: wgpu.GPUCommandEncoder) -> None:
+        """Record what the seen buffers need beyond `prepare`."""
+        ...
+
+    def draw_seen(self, render_pass: wgpu.GPURenderPassEncoder) -> None:
+        """Draw into the seen buffers."""
+        ...
+
+    def rays(self) -> tuple[np.ndarray, np.ndarray] | None:
+        """Origins and directions, (H, W, 3), of each pixel's last ray, where the method has them."""
+        ...
+
+
+class Stage:
+    """What a method draws on: the scene on the device and the eye's projection."""
+
+    def __init__(self, view: View) -> None:
+        if min(view.size) < 1 or max(view.size) > maximum_size():
+            width, height = view.size
+            raise AnamorphError(f"size {width}x{height}: give a width and height from 1 to {maximum_size()}")
+        self.view = view
+        self.geometry: Geometry = flatten(view.scene)
+        self.buffers: SceneBuffers = upload_scene(view.scene, self.geometry)
+        self.projection: ProjectionUniform = projection_uniform()
+
+
+class DrawingSession:
+    """Draws the scene and, through a `SpecularDrawing`, its specular meshes. See `Session`."""
+
+    def __init__(self, stage: Stage, drawing: SpecularDrawing, antialias: int = 1) -> None:
+        self._stage = stage
+        self._drawing = drawing
+        self._target = make_target(stage.view.size, (COLOR_FORMAT,), antialias)
+        self._pipelines = color_pipelines(antialias)
+
+    def draw(self, camera: Camera, shift: tuple[float, float] = (0.0, 0.0)) -> None:
+        """Submit one frame."""
+        stage = self._stage
+        stage.projection.write(camera_projection(camera, stage.view.size, shift), stage.view.size)
+        encoder = get_device().create_command_encoder()
+        self._drawing.prepare(encoder, camera, shift)
+        render_pass = begin_pass(encoder, self._target)
+        draw_scene(render_pass, self._pipelines, stage.buffers, stage.projection, self._drawing.replaced)
+        self._drawing.draw_color(render_pass)
+        render_pass.end()
+        submit(encoder)
+
+    def wait(self) -> None:
+        """Return when every submitted frame is finished."""
+        wait()
+
+    def frame(self, seen: bool = False) -> Frame:
+        """Read the last frame back."""
+        color = read_texture(self._target.textures[0])[..., :3].astype(np.float32)
+        if not seen:
+            return Frame(color)
+        stage = self._stage
+        target = make_target(stage.view.size, SEEN_FORMATS)
+        encoder = get_device().create_command_encoder()
+        self._drawing.prepare_seen(encoder)
+        render_pass = begin_pass(encoder, target)
+        draw_scene(render_pass, seen_pipelines(), stage.buffers, stage.projection, self._drawing.replaced)
+        self._drawing.draw_seen(render_pass)
+        render_pass.end()
+        submit(encoder)
+        point, flags = (read_texture(texture) for texture in target.textures)
+        origin, direction = self._drawing.rays() or (None, None)
+        return Frame(
+            color=color,
+            position=np.ascontiguousarray(point[..., :3]),
+            object_id=point[..., 3].astype(np.uint32),
+            specular=flags & 0xFFFF,
+            status=(flags >> 16).astype(np.uint8),
+            ray_origin=origin,
+            ray_direction=direction,
+        )

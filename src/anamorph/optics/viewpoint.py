@@ -1,0 +1,51 @@
+"""The virtual viewpoint: the point nearest to all the lines of a ray mesh.
+
+Source: Kakimoto et al. 2007, section 3.2. Deviation: the viewpoint is homogeneous, so that near-parallel rays lead to
+the point at infinity without a jump.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+PARALLEL = 1e-9
+"""Below this mean squared sine of the angles between the rays, nothing in them tells how far the viewpoint is."""
+
+
+def normal_equations(origins: np.ndarray, directions: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Matrix (3, 3) and right side (3,) of the least-squares point of lines: mean(I - d d^T) x = mean((I - d d^T) o).
+
+    Parameters
+    ----------
+    origins, directions : (N, 3) float64
+        Points on the lines, and unit vectors along them.
+    """
+    along = np.einsum("ni,ni->n", directions, origins)
+    matrix = np.eye(3) - directions.T @ directions / len(directions)
+    return matrix, (origins - along[:, None] * directions).mean(axis=0)
+
+
+def virtual_viewpoint(origins: np.ndarray, directions: np.ndarray) -> np.ndarray:
+    """The homogeneous least-squares point (x, y, z, w) of lines, (4,) float64; w is 0 for parallel lines.
+
+    Scaled so that the first three components are finite, and that w > 0 for a point behind the rays' origins.
+
+    Parameters
+    ----------
+    origins, directions : (N, 3) float64
+        Points on the lines, and unit vectors along them.
+    """
+    center = origins.mean(axis=0)
+    matrix, right_side = normal_equations(origins - center, directions)
+    values, vectors = np.linalg.eigh(matrix)
+    # The eigenvector of the least eigenvalue runs along the rays: the one direction that may be undetermined.
+    along = vectors[:, 0] * np.sign(vectors[:, 0] @ directions.mean(axis=0) or 1.0)
+    across = vectors[:, 1:]
+    sideways = across @ ((across.T @ right_side) / values[1:])
+    # Solving values[0] * distance = -(along . right_side) for the distance behind the centre, as a ratio.
+    pull, spread = -float(along @ right_side), max(float(values[0]), 0.0)
+    if spread < PARALLEL * values[2] and abs(pull) <= PARALLEL * np.linalg.norm(np.ptp(origins, axis=0)):
+        return np.append(-along, 0.0)
+    scale = max(abs(pull), spread)
+    weight, distance = spread / scale, pull / scale
+    return np.append(weight * (center + sideways) - distance * along, weight)

@@ -1,0 +1,83 @@
+"""From a view and a method to a frame."""
+
+from __future__ import annotations
+
+import dataclasses
+from typing import Any
+
+import numpy as np
+
+from anamorph.errors import AnamorphError
+from anamorph.frame import Frame, View
+from anamorph.methods import Session, make_options, parse
+from anamorph.scene.camera import Camera
+from anamorph.scene.model import Scene
+
+DEFAULT_SIZE = (1024, 768)
+MAXIMUM_SAMPLES = 32
+
+
+def draw_frame(view: View, specification: str, seen: bool = False) -> Frame:
+    """Draw one frame of `view` by the method and options that `specification` names."""
+    method, options = parse(specification)
+    if not 1 <= view.samples <= MAXIMUM_SAMPLES:
+        raise AnamorphError(f"samples is {view.samples}; give a number from 1 to {MAXIMUM_SAMPLES} a side")
+    return accumulate(view, method.open(view, options), seen)
+
+
+def accumulate(view: View, session: Session, seen: bool = False) -> Frame:
+    """Average the shifted pictures that `view.samples` asks for; seen buffers are those of pixel centres."""
+    steps = (np.arange(view.samples) + 0.5) / view.samples - 0.5
+    total = np.zeros((view.size[1], view.size[0], 3))
+    for y in steps:
+        for x in steps:
+            session.draw(view.camera, (float(x), float(y)))
+            total += session.frame().color
+    color = (total / view.samples**2).astype(np.float32)
+    if not seen:
+        return Frame(color)
+    if view.samples > 1:
+        session.draw(view.camera)
+    return dataclasses.replace(session.frame(seen=True), color=color)
+
+
+def render(
+    scene: Scene | str,
+    method: str = "pervertex",
+    camera: Camera | None = None,
+    size: tuple[int, int] | None = None,
+    samples: int = 1,
+    seen: bool = False,
+    **options: Any,
+) -> Frame:
+    """Draw a scene.
+
+    Parameters
+    ----------
+    scene : Scene or str
+        A scene, the name of a built-in one, or the path of a scene file or a model file.
+    method : str
+        "name" or "name:option=value,…".
+    camera : Camera, optional
+        The scene's own by default.
+    size : (width, height), optional
+        Pixels; 1024 x 768 unless a scene file says otherwise.
+    samples : int
+        The picture averages samples x samples a pixel.
+    seen : bool
+        Whether the frame carries its seen buffers.
+    **options
+        Options of the method, by name.
+
+    Returns
+    -------
+    Frame
+    """
+    if isinstance(scene, str | Path):
+        scene, settings = open_scene(scene)
+        size = size or settings.size
+    chosen, written = parse(method)
+    given = dataclasses.asdict(written) | options
+    view = View(scene, camera or scene.camera, size or DEFAULT_SIZE, samples)
+    check_view(view)
+    return accumulate(view, chosen.open(view, make_options(chosen, given)), seen)

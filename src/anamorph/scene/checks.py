@@ -1,0 +1,177 @@
+"""Is a scene fit to be drawn? Each check names the part and the remedy, so that no picture is black or NaN."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+from trimesh.triangles import closest_point
+
+from anamorph.errors import AnamorphError
+from anamorph.scene.camera import Camera
+from anamorph.scene.model import (
+    AmbientLight,
+    Diffuse,
+    DirectionalLight,
+    Glass,
+    Light,
+    Mesh,
+    Mirror,
+    PointLight,
+    Scene,
+    Sky,
+    Texture,
+)
+from anamorph.scene.normals import doubled_areas, has_area
+
+TOUCHING = 1e-5
+"""An eye nearer to a mirror than this share of the mirror's size is on it."""
+
+
+def check_scene(scene: Scene) -> Scene:
+    """The scene without its degenerate triangles; raises AnamorphError for what cannot be drawn."""
+    if not scene.meshes:
+        raise AnamorphError(f"scene '{scene.name}': has no meshes; add a part")
+    meshes = tuple(_checked(mesh) for mesh in scene.meshes)
+    check_camera(scene.camera, f"scene '{scene.name}': eye")
+    for number, light in enumerate(scene.lights, start=1):
+        _check_light(light, f"scene '{scene.name}': light {number}")
+    _check_sky(scene.sky, f"scene '{scene.name}': sky")
+    checked = replace(scene, meshes=meshes)
+    _check_eye(checked)
+    return checked
+
+
+def check_triangles(where: str, positions: np.ndarray, faces: np.ndarray) -> None:
+    """Finite vertices, and triangles between them."""
+    if not len(positions) or not len(faces):
+        raise AnamorphError(f"{where}: is empty; remove the part or give it triangles")
+    broken = np.flatnonzero(~np.isfinite(positions).all(axis=1))
+    if len(broken):
+        raise AnamorphError(
+            f"{where}: vertex {broken[0]} has a NaN or infinite coordinate ({len(broken)} such); mend the model"
+        )
+    if np.min(faces) < 0 or np.max(faces) >= len(positions):
+        raise AnamorphError(
+            f"{where}: a face names vertex {np.max(faces) if np.max(faces) >= len(positions) else np.min(faces)}, "
+            f"but there are {len(positions)}; mend the model"
+        )
+
+
+def check_camera(camera: Camera, where: str) -> None:
+    """An eye that looks somewhere, with its head not along its view."""
+    for name in ("position", "target", "up"):
+        if np.shape(getattr(camera, name)) != (3,) or not np.isfinite(getattr(camera, name)).all():
+            raise AnamorphError(f"{where}: {name} is {getattr(camera, name)}; give three finite numbers")
+    forward = np.subtract(camera.target, camera.position)
+    if not forward.any():
+        raise AnamorphError(f"{where}: position and target are the same point; move one of them")
+    across = np.linalg.norm(np.cross(forward, camera.up))
+    if across <= 1e-9 * np.linalg.norm(forward) * np.linalg.norm(camera.up):
+        raise AnamorphError(f"{where}: up is {camera.up}, along the view; give another direction")
+    if not 0.0 < camera.field_of_view < 180.0:
+        raise AnamorphError(f"{where}: field_of_view is {camera.field_of_view}; give degrees between 0 and 180")
+
+
+def _checked(mesh: Mesh) -> Mesh:
+    where = f"part '{mesh.name}'"
+    count = len(mesh.positions)
+    _check_shape(where, "positions", mesh.positions, (count, 3))
+    _check_shape(where, "faces", mesh.faces, (len(mesh.faces), 3))
+    if not np.issubdtype(np.asarray(mesh.faces).dtype, np.integer):
+        raise AnamorphError(f"{where}: faces are {np.asarray(mesh.faces).dtype}; give integers")
+    check_triangles(where, mesh.positions, mesh.faces)
+    for name, width in (("normals", 3), ("texcoords", 2), ("colors", 3), ("parameters", 2)):
+        values = getattr(mesh, name)
+        if values is not None:
+            _check_shape(where, name, values, (count, width))
+            if not np.isfinite(values).all():
+                raise AnamorphError(f"{where}: {name} have NaN or infinite numbers; mend the model")
+    kept = has_area(mesh.positions, mesh.faces)
+    if not kept.any():
+        raise AnamorphError(f"{where}: all its triangles are degenerate (points or lines); remove the part")
+    used = np.unique(mesh.faces[kept])
+    lengths = np.linalg.norm(np.asarray(mesh.normals, float)[used], axis=1)
+    if lengths.min() == 0.0:
+        raise AnamorphError(f"{where}: vertex {used[lengths.argmin()]} has a zero normal; compute normals for it")
+    if np.abs(lengths - 1.0).max() > 1e-2:
+        raise AnamorphError(f"{where}: normals are not of length 1; divide each by its length")
+    _check_material(mesh, where)
+    return mesh if kept.all() else replace(mesh, faces=mesh.faces[kept])
+
+
+def _check_shape(where: str, name: str, values: np.ndarray, shape: tuple[int, int]) -> None:
+    if np.shape(values) != shape:
+        raise AnamorphError(f"{where}: {name} have shape {np.shape(values)}; give {shape}")
+
+
+def _check_color(where: str, name: str, color: object) -> None:
+    if np.shape(color) != (3,) or not np.isfinite(color).all() or np.min(color) < 0:  # type: ignore[call-overload]
+        raise AnamorphError(f"{where}: {name} is {color}; give three finite numbers, none below 0")
+
+
+def _check_texture(where: str, texture: Texture | None) -> None:
+    if texture is not None:
+        shape = np.shape(texture.pixels)
+        if len(shape) != 3 or shape[2] != 4 or 0 in shape or texture.pixels.dtype != np.uint8:
+            raise AnamorphError(f"{where}: its image is {shape} {texture.pixels.dtype}; give (H, W, 4) uint8")
+
+
+def _check_material(mesh: Mesh, where: str) -> None:
+    match mesh.material:
+        case Diffuse(color=color, texture=texture):
+            _check_color(where, "color", color)
+            _check_texture(where, texture)
+            if texture is not None and mesh.texcoords is None:
+                raise AnamorphError(f"{where}: has an image but no texture coordinates; give it texcoords")
+        case Mirror(tint=tint, reflectance=reflectance, back=back):
+            _check_color(where, "tint", tint)
+            _check_color(where, "back", back)
+            if not 0.0 <= reflectance <= 1.0:
+                raise AnamorphError(f"{where}: reflectance is {reflectance}; give a number from 0 to 1")
+        case Glass(index=index, tint=tint):
+            _check_color(where, "tint", tint)
+            if not (np.isfinite(index) and index > 0):
+                raise AnamorphError(f"{where}: index is {index}; give a positive refractive index, 1.5 for glass")
+
+
+def _check_light(light: Light, where: str) -> None:
+    match light:
+        case DirectionalLight(toward=toward, color=color):
+            if not np.isfinite(toward).all() or not np.any(toward):
+                raise AnamorphError(f"{where}: toward is {toward}; give a direction, three finite numbers not all 0")
+            _check_color(where, "color", color)
+        case PointLight(position=position, color=color):
+            if not np.isfinite(position).all():
+                raise AnamorphError(f"{where}: position is {position}; give three finite numbers")
+            _check_color(where, "color", color)
+        case AmbientLight(sky=sky, ground=ground):
+            _check_color(where, "sky", sky)
+            _check_color(where, "ground", ground)
+
+
+def _check_sky(sky: Sky, where: str) -> None:
+    for name in ("zenith", "horizon", "nadir"):
+        _check_color(where, name, getattr(sky, name))
+    _check_texture(where, sky.image)
+
+
+def _check_eye(scene: Scene) -> None:
+    """Some mirror must show the eye its front: else every mirror pixel would be black."""
+    eye = np.asarray(scene.camera.position, float)
+    mirrors = [mesh for mesh in scene.meshes if isinstance(mesh.material, Mirror)]
+    behind = []
+    for mesh in mirrors:
+        corners = np.asarray(mesh.positions, float)[mesh.faces]
+        size = float(np.linalg.norm(np.ptp(corners.reshape(-1, 3), axis=0)))
+        gap = np.linalg.norm(closest_point(corners, np.broadcast_to(eye, (len(corners), 3))) - eye, axis=1).min()
+        if gap <= TOUCHING * size:
+            raise AnamorphError(f"eye {scene.camera.position} is on the mirror '{mesh.name}'; move it away from it")
+        area = doubled_areas(mesh.positions, mesh.faces)
+        area /= np.linalg.norm(area, axis=1, keepdims=True)
+        if np.sum(area * (eye - corners[:, 0]), axis=1).max() <= TOUCHING * size:
+            behind.append(mesh.name)
+    if mirrors and len(behind) == len(mirrors):
+        raise AnamorphError(
+            f"eye {scene.camera.position} is behind the mirror '{behind[0]}'; move it to the side its normals point to"
+        )

@@ -1,0 +1,205 @@
+"""Scene files: TOML that puts models, mirrors, lights, sky and eye together. docs/scene-file.md describes them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from fnmatch import fnmatchcase
+from pathlib import Path
+
+import numpy as np
+
+from anamorph.errors import AnamorphError
+from anamorph.scene import builtin
+from anamorph.scene.camera import Camera
+from anamorph.scene.checks import check_scene
+from anamorph.scene.files import nearest, read_texture
+from anamorph.scene.load import Part, load_parts, uniquely_named
+from anamorph.scene.model import (
+    DEFAULT_LIGHTS,
+    AmbientLight,
+    Diffuse,
+    DirectionalLight,
+    Glass,
+    Light,
+    Material,
+    Mirror,
+    PointLight,
+    Scene,
+    Sky,
+)
+from anamorph.scene.tables import Table, read_tables
+from anamorph.scene.transform import Similarity, rotation, transform
+
+TRANSFORM = ("scale", "rotate", "translate")
+LIGHTS = ("directional", "point", "ambient")
+
+
+@dataclass(frozen=True)
+class Settings:
+    """How a scene is drawn unless the command says otherwise.
+
+    Parameters
+    ----------
+    size : (width, height)
+        Pixels.
+    method : str
+        NAME[:option=value,...], as after -m on the command line.
+    """
+
+    size: tuple[int, int] = (1024, 768)
+    method: str = "pervertex"
+
+
+def load_scene_file(path: str | Path) -> tuple[Scene, Settings]:
+    """The scene that a TOML file describes, checked, and how the file wants it drawn."""
+    top = read_tables(Path(path))
+    top.only("name", "builtin", "size", "method", "model", "part", "light", "sky", "eye")
+    base = builtin.make(top.choice("builtin", builtin.names())) if "builtin" in top.values else None
+    parts = [] if base is None else [Part(mesh) for mesh in base.meshes]
+    for table in top.tables("model"):
+        parts = list(uniquely_named(parts + _model(table)))
+    if not parts:
+        top.wrong(None, 'has nothing to show; add a [[model]] with a file, or builtin = "car-mirror"')
+    for table in top.tables("part"):
+        parts = _changed(parts, table)
+    lights = tuple(_light(table) for table in top.tables("light"))
+    scene = Scene(
+        name=top.text("name", Path(path).stem),
+        meshes=tuple(part.mesh for part in uniquely_named(parts)),
+        camera=_eye(top, base),
+        lights=lights or (base.lights if base else DEFAULT_LIGHTS),
+        sky=_sky(top, base),
+    )
+    settings = Settings(top.size("size", Settings.size), top.text("method", Settings.method))
+    try:
+        return check_scene(scene), settings
+    except AnamorphError as error:
+        raise AnamorphError(f"{path}: {error}") from None
+
+
+def _similarity(table: Table) -> Similarity:
+    scale = table.number("scale", 1.0)
+    if scale <= 0:
+        table.wrong("scale", f"scale is {scale:g}; give a positive number")
+    degrees = table.vector("rotate", (0.0, 0.0, 0.0))
+    return Similarity(scale, rotation(degrees), np.array(table.vector("translate", (0.0, 0.0, 0.0))))
+
+
+def _model(table: Table) -> list[Part]:
+    table.only("file", *TRANSFORM)
+    by = _similarity(table)
+    return [replace(part, mesh=transform(part.mesh, by)) for part in load_parts(table.file("file"))]
+
+
+def _changed(parts: list[Part], table: Table) -> list[Part]:
+    """The parts, with the change that a [[part]] table asks for made to those that it selects."""
+    table.only("name", "material", "rename", "remove", "mirror", "glass", "diffuse", *TRANSFORM)
+    selected = _selected(parts, table)
+    if _flag(table, "remove"):
+        return [part for part, hit in zip(parts, selected, strict=True) if not hit]
+    by, material, name = _similarity(table), _material(table), table.text("rename")
+
+    def changed(part: Part) -> Part:
+        mesh = transform(part.mesh, by) if any(key in table.values for key in TRANSFORM) else part.mesh
+        mesh = replace(mesh, material=material or mesh.material, name=name or mesh.name)
+        return replace(part, mesh=mesh)
+
+    return [changed(part) if hit else part for part, hit in zip(parts, selected, strict=True)]
+
+
+def _selected(parts: list[Part], table: Table) -> list[bool]:
+    if "name" not in table.values and "material" not in table.values:
+        table.wrong(None, "part needs the key 'name' or 'material', to say which parts it changes")
+
+    def among(key: str, value: Callable[[Part], str]) -> list[bool]:
+        if key not in table.values:
+            return [True] * len(parts)
+        pattern, known = table.text(key), sorted({value(part) for part in parts} - {""})
+        hits = [fnmatchcase(value(part), pattern) for part in parts]
+        if not any(hits):
+            shown = ", ".join(known[:12]) + (", ..." if len(known) > 12 else "")
+            kind = "part" if key == "name" else "material"
+            table.wrong(key, f"no {kind} is called '{pattern}'{nearest(pattern, known)} (known: {shown or 'none'})")
+        return hits
+
+    by_name = among("name", lambda part: part.mesh.name)
+    by_material = among("material", lambda part: part.material)
+    return [one and other for one, other in zip(by_name, by_material, strict=True)]
+
+
+def _flag(table: Table, key: str) -> bool:
+    value = table.values.get(key, False)
+    if not isinstance(value, bool):
+        table.wrong(key, f"{key} is {value!r}; give true or false")
+    return value
+
+
+def _material(table: Table) -> Material | None:
+    kinds = [kind for kind in ("mirror", "glass", "diffuse") if kind in table.values]
+    if len(kinds) > 1:
+        table.wrong(kinds[1], f"a part cannot be {kinds[0]} and {kinds[1]}; keep one of them")
+    values = table.table(kinds[0]) if kinds else None
+    if values is None:
+        return None
+    if kinds[0] == "mirror":
+        values.only("tint", "reflectance", "back")
+        return Mirror(
+            values.color("tint", Mirror.tint),
+            values.number("reflectance", Mirror.reflectance, 0.0, 1.0),
+            values.color("back", Mirror.back),
+        )
+    if kinds[0] == "glass":
+        values.only("index", "tint")
+        return Glass(values.number("index", Glass.index, 0.1, 10.0), values.color("tint", Glass.tint))
+    values.only("color", "image")
+    image = read_texture(values.file("image")) if "image" in values.values else None
+    return Diffuse(values.color("color", (1.0, 1.0, 1.0) if image else Diffuse.color), image)
+
+
+def _light(table: Table) -> Light:
+    kind = table.choice("kind", LIGHTS)
+    if kind == "directional":
+        table.only("kind", "toward", "color")
+        table.required("toward")
+        toward = table.vector("toward", (0.0, 1.0, 0.0))
+        length = sum(value * value for value in toward) ** 0.5
+        if length == 0.0:
+            table.wrong("toward", "toward is [0, 0, 0]; give a direction")
+        x, y, z = (value / length for value in toward)
+        return DirectionalLight((x, y, z), table.color("color", DirectionalLight.color))
+    if kind == "point":
+        table.only("kind", "position", "color")
+        table.required("position")
+        return PointLight(table.vector("position", (0.0, 0.0, 0.0)), table.color("color", PointLight.color))
+    table.only("kind", "sky", "ground")
+    return AmbientLight(table.color("sky", AmbientLight.sky), table.color("ground", AmbientLight.ground))
+
+
+def _sky(top: Table, base: Scene | None) -> Sky:
+    default = base.sky if base else Sky()
+    table = top.table("sky")
+    if table is None:
+        return default
+    table.only("zenith", "horizon", "nadir", "image")
+    colors = {name: table.color(name, getattr(default, name)) for name in ("zenith", "horizon", "nadir")}
+    return Sky(**colors, image=read_texture(table.file("image")) if "image" in table.values else None)
+
+
+def _eye(top: Table, base: Scene | None) -> Camera:
+    table = top.table("eye")
+    if table is None:
+        if base is None:
+            top.wrong(None, "needs an [eye] with position and target")
+        return base.camera
+    table.only("position", "target", "up", "field_of_view")
+    if base is None:
+        table.required("position")
+        table.required("target")
+    default = base.camera if base else Camera((0.0, 0.0, 0.0), (0.0, 0.0, -1.0))
+    return Camera(
+        position=table.vector("position", default.position),
+        target=table.vector("target", default.target),
+        up=table.vector("up", default.up),
+        field_of_view=table.number("field_of_view", default.field_of_view, 0.01, 179.0),
+    )

@@ -1,0 +1,122 @@
+"""The structure that keeps the code readable: who may import whom, and how long a file may be."""
+
+from __future__ import annotations
+
+import ast
+import fnmatch
+import re
+import tomllib
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[1]
+PACKAGE = ROOT / "src" / "anamorph"
+MODULES = sorted(PACKAGE.rglob("*.py"))
+
+BELOW: dict[str, set[str]] = {
+    "errors": set(),
+    "scene": {"errors"},
+    "raymesh": {"errors"},
+    "rays": {"errors", "scene", "raymesh"},
+    "optics": {"errors", "scene", "raymesh", "rays"},
+    "frame": {"errors", "scene", "output"},
+    "gpu": {"errors", "scene", "frame"},
+    "cameras": {"errors", "scene", "raymesh"},
+    "methods": {"errors", "scene", "raymesh", "rays", "optics", "frame", "gpu", "cameras"},
+    "output": {"errors"},
+    "versions": set(),
+    "measure": {"errors", "scene", "frame", "gpu", "methods", "output", "versions"},
+    "viewer": {"errors", "scene", "raymesh", "rays", "optics", "frame", "gpu", "cameras", "methods", "measure"},
+}
+"""What each room may import, besides itself. Rooms that are not named (the command line) may import anything."""
+
+REGISTRIES = re.compile(
+    r"https?://[^\s\"'<>)]*(?:pypi|pythonhosted|npmjs|anaconda|crates\.io|debian\.org/debian|/simple\b)"
+    r"|--(?:extra-)?index-url[ =]\S|--find-links[ =]\S",
+    re.IGNORECASE,
+)
+
+
+def room(path: Path) -> str:
+    return path.relative_to(PACKAGE).parts[0].removesuffix(".py")
+
+
+def imported_rooms(source: str) -> set[str]:
+    """The rooms of this package that a module's source imports, anywhere in it."""
+    names: set[str] = set()
+    for node in ast.walk(ast.parse(source)):
+        if isinstance(node, ast.Import):
+            names |= {alias.name for alias in node.names}
+        elif isinstance(node, ast.ImportFrom) and node.level == 0 and node.module:
+            names |= {f"{node.module}.{alias.name}" for alias in node.names}
+    return {name.split(".")[1] for name in names if name.startswith("anamorph.")}
+
+
+@pytest.mark.parametrize("module", MODULES, ids=lambda path: str(path.relative_to(PACKAGE)))
+def test_a_module_imports_only_rooms_below_its_own(module: Path) -> None:
+    here = room(module)
+    if here in BELOW:
+        assert imported_rooms(module.read_text()) <= BELOW[here] | {here}
+
+
+def test_every_room_is_placed() -> None:
+    folders = {path.name for path in PACKAGE.iterdir() if path.is_dir() and (path / "__init__.py").exists()}
+    assert folders <= BELOW.keys()
+
+
+def test_rooms_depend_on_each_other_one_way() -> None:
+    placed: set[str] = set()
+    while ready := {name for name, below in BELOW.items() if name not in placed and below <= placed}:
+        placed |= ready
+    assert placed == BELOW.keys()
+
+
+def test_the_guard_sees_every_form_of_import() -> None:
+    forms = "import anamorph.gpu.device\nfrom anamorph import measure\ndef f():\n    from anamorph.cli import main"
+    assert imported_rooms(forms) == {"gpu", "measure", "cli"}
+
+
+@pytest.mark.parametrize(("suffix", "longest"), [(".py", 400), (".wgsl", 250)])
+def test_files_stay_short_enough_to_read(suffix: str, longest: int) -> None:
+    lines = {path.name: len(path.read_text().splitlines()) for path in PACKAGE.rglob(f"*{suffix}")}
+    assert {name: count for name, count in lines.items() if count > longest} == {}
+
+
+def test_no_module_uses_relative_imports() -> None:
+    for module in MODULES:
+        tree = ast.parse(module.read_text())
+        relative = [node for node in ast.walk(tree) if isinstance(node, ast.ImportFrom) and node.level]
+        assert not relative, f"{module} hides from the guard of the rooms"
+
+
+def project_files() -> list[Path]:
+    ignored = {".git", ".venv", *(line.strip("/\n") for line in (ROOT / ".gitignore").read_text().splitlines())}
+    return [
+        path
+        for path in ROOT.rglob("*")
+        if path.is_file()
+        and not any(fnmatch.fnmatch(part, name) for part in path.relative_to(ROOT).parts for name in ignored)
+    ]
+
+
+def test_no_file_names_a_package_registry() -> None:
+    for path in project_files():
+        found = REGISTRIES.search(path.read_text(errors="ignore"))
+        assert not found or path == Path(__file__), f"{path}: {found and found[0]}"
+
+
+def test_the_lock_carries_a_hash_for_every_package_and_names_every_dependency() -> None:
+    lock = (ROOT / "requirements.lock").read_text().replace("\\\n", " ")
+    entries = dict(re.findall(r"^([a-z0-9-]+)(==.*)$", lock, re.MULTILINE))
+    assert all("--hash=sha256:" in entry for entry in entries.values())
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text())
+    wanted = project["project"]["dependencies"] + project["dependency-groups"]["dev"]
+    assert {re.split(r"[<>=]", line)[0] for line in wanted} <= entries.keys()
+
+
+def test_shaders_and_page_templates_are_package_data() -> None:
+    patterns = tomllib.loads((ROOT / "pyproject.toml").read_text())["tool"]["setuptools"]["package-data"]["anamorph"]
+    packed = {path for pattern in patterns for path in PACKAGE.glob(pattern)}
+    others = {path for path in PACKAGE.rglob("*") if path.is_file() and path.suffix not in (".py", ".pyc", ".typed")}
+    assert others <= packed, "some files would be left out of the wheel"

@@ -58,7 +58,10 @@ def test_refraction_runs_back_the_same_way(frame, cosine, eta):
     if total[0] or -direction[0] @ normal < 1e-4:
         return
     back, total = refract(-direction, -normal[None], 1 / eta)
-    assert not total[0]
+    if total[0]:
+        # The last digit decides whether a ray comes back out along the surface.
+        assert cosine < 1e-7
+        return
     # Back through, an error of the sine grows by 1 / cosine.
     assert np.allclose(back[0], -incident, atol=1e-14 / max(cosine, 1e-7))
 

@@ -20,11 +20,13 @@ BELOW: dict[str, set[str]] = {
     "raymesh": {"errors"},
     "rays": {"errors", "scene", "raymesh"},
     "optics": {"errors", "scene", "raymesh", "rays"},
-    "frame": {"errors", "scene"},
+    "frame": {"errors", "scene", "output"},
     "gpu": {"errors", "scene", "frame"},
     "cameras": {"errors", "scene", "raymesh"},
     "methods": {"errors", "scene", "raymesh", "rays", "optics", "frame", "gpu", "cameras"},
-    "measure": {"errors", "scene", "frame", "methods"},
+    "output": {"errors"},
+    "versions": set(),
+    "measure": {"errors", "scene", "frame", "gpu", "methods", "output", "versions"},
     "viewer": {"errors", "scene", "raymesh", "rays", "optics", "frame", "gpu", "cameras", "methods", "measure"},
 }
 """What each room may import, besides itself. Rooms that are not named (the command line) may import anything."""

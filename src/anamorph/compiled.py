@@ -12,11 +12,13 @@ import numba
 
 
 def compiled(function: Callable[..., Any]) -> Callable[..., Any]:
-    """Compile `function` at its first call, without Python's lock, and keep the machine code on disk.
+    """Compile `function` at its first call, to run without Python's lock, and keep the machine code on disk.
 
-    Where no directory can be written (a read-only install without a home), it is compiled anew in every process.
+    It works on arrays that it is given and can make none: counting references to arrays, with atomic operations on
+    every pass to another function, would take most of the time of a loop over rays. Where no directory can be
+    written (a read-only install without a home), it is compiled anew in every process.
     """
-    options = {"nogil": True, "error_model": "numpy"}
+    options = {"nogil": True, "error_model": "numpy", "_nrt": False}
     try:
         return numba.njit(function, cache=True, **options)
     except RuntimeError:

@@ -130,7 +130,7 @@ class Tree:
     ) -> None:
         """Fill `distance` (N,), `triangle` (N,) and `barycentric` (N, 2) for rays (N, 3); one core, without the lock."""
         arguments = self._arguments[coherent].ctypes.data
-        _cast(self._intersect, self._scene, arguments, origins, directions, near, distance, triangle, barycentric)
+        _cast(np.zeros((ROWS + 2) * PACKET + 16, np.float32), self._intersect, self._scene, arguments, origins, directions, near, distance, triangle, barycentric)
 
 
 def _query_arguments(coherent: bool) -> np.ndarray:
@@ -156,10 +156,9 @@ def _call(typingctx, address, valid, scene, packet, arguments):  # noqa: ANN001,
 
 
 @compiled
-def _cast(address, scene, arguments, origins, directions, near, distance, triangle, barycentric):  # noqa: ANN001, ANN202
+def _cast(store, address, scene, arguments, origins, directions, near, distance, triangle, barycentric):  # noqa: ANN001, ANN202
     count = len(origins)
     # Packets of 16 must lie at multiples of 64 bytes.
-    store = np.zeros((ROWS + 2) * PACKET + 16, np.float32)
     skip = (-store.ctypes.data % 64) // 4
     floats = store[skip : skip + (ROWS + 2) * PACKET].reshape((ROWS + 2, PACKET))
     words = floats.view(np.uint32)

@@ -28,7 +28,8 @@ class RayMesh:
     origins : (V, 3) float64
         Where each ray leaves, metres. Inside a triangle it is interpolated.
     directions : (V, 3) float64
-        Unit vectors. Inside a triangle they are interpolated and normalised.
+        Of any length but 0. Inside a triangle they are interpolated as they are. Mirrors give them the length of
+        the eye's distance, with which that is exact on a flat mirror.
     faces : (F, 3) int32
     status : (V,) uint8
         A `RayStatus` each.
@@ -39,3 +40,7 @@ class RayMesh:
     directions: np.ndarray
     faces: np.ndarray
     status: np.ndarray
+
+    def unit_directions(self) -> np.ndarray:
+        """The directions normalised, (V, 3)."""
+        return self.directions / np.linalg.norm(self.directions, axis=1, keepdims=True)

@@ -2,24 +2,31 @@
 
 from __future__ import annotations
 
+import dataclasses
+from typing import Any
+
 import numpy as np
 
 from anamorph.errors import AnamorphError
 from anamorph.frame import Frame, View
-from anamorph.methods import make_options, parse
+from anamorph.methods import Session, make_options, parse
 from anamorph.scene.camera import Camera
 from anamorph.scene.model import Scene
+
+DEFAULT_SIZE = (1024, 768)
+MAXIMUM_SAMPLES = 32
 
 
 def draw_frame(view: View, specification: str, seen: bool = False) -> Frame:
     """Draw one frame of `view` by the method and options that `specification` names."""
     method, options = parse(specification)
-    return _draw(view, method.open(view, options), seen)
+    if not 1 <= view.samples <= MAXIMUM_SAMPLES:
+        raise AnamorphError(f"samples is {view.samples}; give a number from 1 to {MAXIMUM_SAMPLES} a side")
+    return accumulate(view, method.open(view, options), seen)
 
 
-def _draw(view, session, seen: bool) -> Frame:
-    if view.samples < 1:
-        raise AnamorphError(f"samples is {view.samples}; give 1 or more a side")
+def accumulate(view: View, session: Session, seen: bool = False) -> Frame:
+    """Average the shifted pictures that `view.samples` asks for; seen buffers are those of pixel centres."""
     steps = (np.arange(view.samples) + 0.5) / view.samples - 0.5
     total = np.zeros((view.size[1], view.size[0], 3))
     for y in steps:
@@ -41,7 +48,7 @@ def render(
     size: tuple[int, int] | None = None,
     samples: int = 1,
     seen: bool = False,
-    **options,
+    **options: Any,
 ) -> Frame:
     """Draw a scene.
 
@@ -66,3 +73,11 @@ def render(
     -------
     Frame
     """
+    if isinstance(scene, str | Path):
+        scene, settings = open_scene(scene)
+        size = size or settings.size
+    chosen, written = parse(method)
+    given = dataclasses.asdict(written) | options
+    view = View(scene, camera or scene.camera, size or DEFAULT_SIZE, samples)
+    check_view(view)
+    return accumulate(view, chosen.open(view, make_options(chosen, given)), seen)

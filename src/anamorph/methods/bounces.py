@@ -185,8 +185,11 @@ def _surface_normal(world, item, face, weights, origin, direction, distance, geo
             u += weights[corner] * world.parameters[face[corner], 0]
             v += weights[corner] * world.parameters[face[corner], 1]
         met, exact, normal = meet(kind, world.numbers[item], origin, direction, distance, u, v)
-        if met and side * dot(normal, direction) < 0.0:
-            return exact, (side * normal[0], side * normal[1], side * normal[2]), True
+        # The faces may be turned against the surface's own normals, as in a concave mirror cut from a sphere.
+        turn = 1.0 if dot(normal, geometric) > 0.0 else -1.0
+        normal = (turn * normal[0], turn * normal[1], turn * normal[2])
+        if met and dot(normal, direction) < 0.0:
+            return exact, normal, True
     normal = _blend(world.normals, face, weights)
     if side * dot(normal, geometric) <= 1e-6:
         return distance, geometric, False

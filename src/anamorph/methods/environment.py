@@ -6,7 +6,6 @@ alone: the scene drawn once more from the mirrored eye.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -29,7 +28,8 @@ from anamorph.projection import UNIFORM_BYTES, Projection, pinhole_projection
 from anamorph.raymesh import RayMesh, RayStatus
 from anamorph.scene.camera import Camera
 
-MAXIMUM_FACE = 2048
+DEFAULT_FACE, MAXIMUM_FACE = 1024, 4096
+"""Texels along an edge that a cube map takes at most by itself, and when asked."""
 
 FACES = (
     ((0, 0, -1), (0, 1, 0), (1, 0, 0)),
@@ -53,7 +53,7 @@ class Options:
     update : str
         When the cube map is drawn: "always", or "once" (static).
     face : int
-        Texels along an edge of the cube map; 0 takes one texel for each pixel of the picture.
+        Texels along an edge of the cube map; 0 takes one for each pixel of the picture, up to 1024.
     antialias : int
         Samples a pixel of the picture: 1 or 4.
     """
@@ -80,8 +80,25 @@ def face_size(rays: RayMesh) -> int:
         return 64
     places = rays.picture[:, :2] / np.where(rays.picture[:, 2:] > 0.0, rays.picture[:, 2:], 1.0)
     pixels = np.linalg.norm(places[edges[:, 0]] - places[edges[:, 1]], axis=1)
-    angles = np.linalg.norm(rays.directions[edges[:, 0]] - rays.directions[edges[:, 1]], axis=1)
-    return int(np.clip(2.0 * np.median(pixels / np.maximum(angles, 1e-6)), 64, MAXIMUM_FACE))
+    directions = rays.unit_directions()
+    angles = np.linalg.norm(directions[edges[:, 0]] - directions[edges[:, 1]], axis=1)
+    return int(np.clip(2.0 * np.median(pixels / np.maximum(angles, 1e-6)), 64, DEFAULT_FACE))
+
+
+def faces_needed(rays: RayMesh) -> list[int]:
+    """The faces of a cube map that the mesh's directions, and those between them, can meet."""
+    directions = rays.unit_directions()
+    edges = np.concatenate([rays.faces[:, [0, 1]], rays.faces[:, [1, 2]], rays.faces[:, [2, 0]]])
+    spread = np.linalg.norm(directions[edges[:, 0]] - directions[edges[:, 1]], axis=1).max(initial=0.0)
+    reach = np.pi / 4.0 + spread
+    if reach >= np.pi / 2.0:
+        return list(range(6))
+    needed = []
+    for face, axes in enumerate(np.array(FACES, float)):
+        right, up, forward = np.abs(directions @ axes[0]), np.abs(directions @ axes[1]), directions @ axes[2]
+        if (np.maximum(right, up) <= np.tan(reach) * forward).any():
+            needed.append(face)
+    return needed
 
 
 class _CubeReflector:
@@ -130,12 +147,15 @@ class CubeDrawing:
         self._seen = make_pipeline(module, "scene_vertex", "environment_seen", SEEN_FORMATS, groups=(layout,))
 
     def prepare(self, encoder: wgpu.GPUCommandEncoder, camera: Camera, shift: tuple[float, float]) -> None:
-        """Draw each mirror's cube map, unless it is static and drawn."""
+        """Draw each mirror's cube map, all of it once, or every time the faces that the frame needs."""
         if self._drawn and self._options.update == "once":
             return
         for item in self._reflectors:
-            for face in item.maps:
-                face.draw_color(encoder, self._stage.buffers, (item.index,))
+            faces = range(6)
+            if self._options.update == "always":
+                faces = faces_needed(reflected_rays(item.mirror, camera, self._stage.view.size))
+            for face in faces:
+                item.maps[face].draw_color(encoder, self._stage.buffers, (item.index,))
         self._drawn = True
 
     def prepare_seen(self, encoder: wgpu.GPUCommandEncoder) -> None:
@@ -202,12 +222,12 @@ def open_session(view: View, options: Options) -> Session:
     if not 0 <= options.face <= MAXIMUM_FACE:
         raise AnamorphError(f"environment: face is {options.face}; give a number of texels from 1 to {MAXIMUM_FACE}, or 0")
     stage = Stage(view)
-    drawing: Callable[[], CubeDrawing | PerVertexDrawing]
     if options.mode == "planar":
         _check_flat(view)
         # The mirrored eye is the one point that all lines of a flat mirror share, and its picture needs no warp but
         # the projective one that per-vertex reflection does.
-        return DrawingSession(stage, PerVertexDrawing(stage, PerVertexOptions(antialias=options.antialias)), options.antialias)
+        planar = PerVertexDrawing(stage, PerVertexOptions(antialias=options.antialias))
+        return DrawingSession(stage, planar, options.antialias)
     return DrawingSession(stage, CubeDrawing(stage, options), options.antialias)
 
 

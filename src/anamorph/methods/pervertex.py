@@ -107,9 +107,10 @@ def plan_map(
     facing = rays.status == RayStatus.OK
     if not facing.any():
         return None
-    frame = _map_frame(rays.origins[facing], rays.directions[facing])
+    directions = rays.unit_directions()
+    frame = _map_frame(rays.origins[facing], directions[facing])
     near_plane = _near_plane(mirror, facing)
-    hits = _hit_points(rays, near_plane, caster, FARTHEST * float(np.linalg.norm(np.ptp(corners, axis=0))))
+    hits = _hit_points(rays.origins, directions, near_plane, caster, FARTHEST * float(np.linalg.norm(np.ptp(corners, axis=0))))
 
     # Step 3.2 and 3.3: where the lines from the viewpoint to the hits cross the projection plane.
     projected = frame.project(hits)
@@ -124,7 +125,9 @@ def plan_map(
     # Step 3.4. The row of the map counts downward.
     texcoords = (places - bounds[0]) / np.ptp(bounds, axis=0)
     texcoords[:, 1] = 1.0 - texcoords[:, 1]
-    weight = frame.project(rays.origins)[:, 2]
+    # q is the depth of a ray as long as the eye's distance. On a flat mirror that is the vertex's own depth in the
+    # virtual camera; on a curved one it follows the rays between vertices about three times closer than that depth.
+    weight = rays.directions @ frame.axes[2]
     if not projective or weight.min() <= 0.0:
         weight = np.ones(len(weight))
     lookups = np.column_stack([texcoords * weight[:, None], weight, valid])
@@ -163,15 +166,17 @@ def _near_plane(mirror: Reflector, facing: np.ndarray) -> np.ndarray:
     return np.append(normal, -(heights.max() + clearance))
 
 
-def _hit_points(rays: RayMesh, near_plane: np.ndarray, caster: Caster, sky: float) -> np.ndarray:
+def _hit_points(
+    origins: np.ndarray, directions: np.ndarray, near_plane: np.ndarray, caster: Caster, sky: float
+) -> np.ndarray:
     """Step 3.1: where each ray first meets the scene beyond the near plane; `sky` metres away if nowhere."""
-    rise = rays.directions @ near_plane[:3]
-    behind = -(rays.origins @ near_plane[:3] + near_plane[3])
+    rise = directions @ near_plane[:3]
+    behind = -(origins @ near_plane[:3] + near_plane[3])
     # A ray along the plane never crosses it: start it at the mirror.
     start = np.where(rise > 1e-3, behind / np.maximum(rise, 1e-3), 0.0)
-    hits = caster.cast(rays.origins, rays.directions, np.maximum(start, caster.near))
+    hits = caster.cast(origins, directions, np.maximum(start, caster.near))
     distance = np.where(hits.triangle >= 0, hits.distance, sky)
-    return rays.origins + distance[:, None] * rays.directions
+    return origins + distance[:, None] * directions
 
 
 def _bounds(places: np.ndarray) -> np.ndarray:

@@ -17,13 +17,14 @@ from anamorph.frame import View
 from anamorph.gpu.device import get_device
 from anamorph.gpu.drawing import make_pipeline, shader_module
 from anamorph.gpu.targets import COLOR_FORMAT, SEEN_FORMATS
-from anamorph.methods.paths import RECORD_FLOATS, PathTracer, specular_rectangle
+from anamorph.methods.bounces import WORDS
+from anamorph.methods.paths import PathTracer, Rectangle, specular_rectangle
 from anamorph.methods.protocol import Method, Session
 from anamorph.methods.session import DrawingSession, Stage
 from anamorph.rays import Caster
 from anamorph.scene.camera import Camera
 
-RECORD_BYTES = 4 * RECORD_FLOATS
+RECORD_BYTES = 4 * WORDS
 
 
 @dataclass(frozen=True)
@@ -89,7 +90,7 @@ class TracedDrawing:
         self._seen = self._pipeline(module, "traced_seen", SEEN_FORMATS)
         self._bands: list[_Band] = []
         self._used = 0
-        self._records: tuple[Camera, tuple[float, float], tuple[int, int, int, int], np.ndarray] | None = None
+        self._records: tuple[Camera, tuple[float, float], Rectangle, np.ndarray] | None = None
 
     def _pipeline(self, module: wgpu.GPUShaderModule, fragment: str, formats: tuple[str, ...]) -> wgpu.GPURenderPipeline:
         return make_pipeline(
@@ -152,7 +153,7 @@ class TracedDrawing:
         x, y = np.meshgrid(np.arange(width) + 0.5 + shift[0], np.arange(height) + 0.5 + shift[1])
         direction = camera.directions(np.stack([x, y], axis=-1), (width, height)).astype(np.float32)
         origin = np.broadcast_to(np.asarray(camera.position, np.float32), direction.shape).copy()
-        traced = records.reshape(y1 - y0, x1 - x0, RECORD_FLOATS)
+        traced = records.reshape(y1 - y0, x1 - x0, WORDS)
         origin[y0:y1, x0:x1] = traced[..., 0:3]
         direction[y0:y1, x0:x1] = traced[..., 4:7]
         return origin, direction

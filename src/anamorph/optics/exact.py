@@ -98,8 +98,8 @@ def _meet_patch(control, origin, direction, u, v):  # noqa: ANN001, ANN202
         across_1 = unit(cross(direction, (0.0, 1.0, 0.0)))
     across_2 = cross(direction, across_1)
     extent = 0.0
-    for axis in range(3):
-        extent = max(extent, np.ptp(control[axis::3]))
+    for number in range(3, NUMBERS):
+        extent = max(extent, abs(control[number] - control[number % 3]))
 
     position, along_u, along_v = _patch(control, u, v)
     offset = along(position, -1.0, origin)

@@ -36,14 +36,15 @@ def reflector(mesh: Mesh) -> Reflector:
             f"mesh {mesh.name!r}: rays at vertices are there for mirrors only, refraction is not yet; use method raytrace"
         )
     if mesh.surface is not None and mesh.parameters is not None:
-        positions, normals = mesh.surface.position(mesh.parameters), mesh.surface.normal(mesh.parameters)
-    else:
-        positions, normals = np.asarray(mesh.positions, float), np.asarray(mesh.normals, float)
-        length = np.linalg.norm(normals, axis=1, keepdims=True)
-        if not length.all():
-            raise AnamorphError(f"mesh {mesh.name!r}: normals has a zero vector; give unit normals")
-        normals = normals / length
-    return Reflector(positions, normals, mesh.faces)
+        exact = mesh.surface.normal(mesh.parameters)
+        # The mesh says which side is the mirror: one cut from a sphere may be its inside.
+        turned = np.sum(exact * mesh.normals, axis=1, keepdims=True) < 0.0
+        return Reflector(mesh.surface.position(mesh.parameters), np.where(turned, -exact, exact), mesh.faces)
+    normals = np.asarray(mesh.normals, float)
+    length = np.linalg.norm(normals, axis=1, keepdims=True)
+    if not length.all():
+        raise AnamorphError(f"mesh {mesh.name!r}: normals has a zero vector; give unit normals")
+    return Reflector(np.asarray(mesh.positions, float), normals / length, mesh.faces)
 
 
 def reflected_rays(mirror: Reflector, camera: Camera, size: tuple[int, int]) -> RayMesh:
@@ -64,13 +65,13 @@ def reflected_rays(mirror: Reflector, camera: Camera, size: tuple[int, int]) -> 
     """
     width, height = size
     offset = mirror.positions - np.asarray(camera.position)
-    incident = offset / np.sqrt(np.einsum("ij,ij->i", offset, offset))[:, None]
     across, up, depth = camera.axes() @ offset.T
     focal = height / (2.0 * np.tan(np.radians(camera.field_of_view) / 2.0))
     picture = np.stack([focal * across + width / 2.0 * depth, height / 2.0 * depth - focal * up, depth], axis=-1)
-    away = np.einsum("ij,ij->i", incident, mirror.normals) >= 0.0
+    away = np.einsum("ij,ij->i", offset, mirror.normals) >= 0.0
     status = np.where(away, np.uint8(RayStatus.BACK_FACING), np.uint8(RayStatus.OK))
-    return RayMesh(picture, mirror.positions, reflect(incident, mirror.normals), mirror.faces, status)
+    # Directions as long as the eye's distance are linear on a flat mirror, so that interpolating them is exact there.
+    return RayMesh(picture, mirror.positions, reflect(offset, mirror.normals), mirror.faces, status)
 
 
 def reflected_ray_mesh(camera: Camera, size: tuple[int, int], mesh: Mesh) -> RayMesh:

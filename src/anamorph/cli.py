@@ -1,0 +1,228 @@
+"""The command `anamorph`: reads arguments, calls the package, prints.
+
+Modules that draw are imported by the commands that need them, so that help and errors of usage come at once.
+"""
+
+from __future__ import annotations
+
+import argparse
+import os
+import shlex
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+from typing import NoReturn
+
+from anamorph.errors import AnamorphError
+from anamorph.output import PICTURES, check_output, save_array, save_text
+from anamorph.progress import progress_bar
+from anamorph.quiet import hush
+from anamorph.versions import versions
+
+DEFAULT_SIZE = (1024, 768)
+DEFAULT_METHOD = "pervertex"
+SEEN = ("position", "object_id", "specular", "status")
+
+EXAMPLES = """examples:
+  anamorph render car-mirror -o mirror.png
+  anamorph render model.glb -m environment -o model.png --size 1920x1080
+  anamorph render car-mirror -m pervertex:antialias=4,mipmaps=true -o mirror.webp --seen position=seen.npy
+  anamorph compare car-mirror -m pervertex -m environment --html report.html --json report.json
+  anamorph demo
+"""
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Run one command and return the exit code: 0, 2 for what the user can mend, 130 when interrupted."""
+    hush()
+    given = list(sys.argv[1:] if argv is None else argv)
+    try:
+        arguments = _parser().parse_args(given)
+        arguments.command_line = shlex.join(["anamorph", *given])
+        arguments.run(arguments)
+        sys.stdout.flush()
+    except AnamorphError as error:
+        return _fail(str(error), 2)
+    except MemoryError:
+        return _fail("not enough memory; choose a smaller --size or scene", 2)
+    except KeyboardInterrupt:
+        return _fail("interrupted; files that are there are whole", 130)
+    except BrokenPipeError:
+        # whoever read the output has enough; Python must not complain about it again at exit
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return 141
+    except OSError as error:
+        return _fail(f"{error.filename or 'system'}: {error.strerror or error}; check the path and its permissions", 2)
+    return 0
+
+
+def _fail(message: str, code: int) -> int:
+    print(f"anamorph: error: {' '.join(message.split())}", file=sys.stderr)
+    return code
+
+
+def _render(arguments: argparse.Namespace) -> None:
+    check_output(arguments.output, PICTURES)
+    for _, path in arguments.seen:
+        check_output(path, (".npy",))
+    _check_distinct(arguments.output, *(path for _, path in arguments.seen))
+    from anamorph.frame import View
+    from anamorph.methods import parse
+    from anamorph.render import draw_frame
+    from anamorph.scene import open_scene
+
+    if arguments.method:
+        parse(arguments.method)
+    with progress_bar(f"rendering {arguments.scene}"):
+        scene, settings = open_scene(arguments.scene)
+        size = arguments.size or settings.size or DEFAULT_SIZE
+        view = View(scene, scene.camera, size, samples=arguments.samples)
+        frame = draw_frame(view, arguments.method or settings.method or DEFAULT_METHOD, seen=bool(arguments.seen))
+    frame.save(arguments.output)
+    for name, path in arguments.seen:
+        save_array(path, getattr(frame, name))
+
+
+def _compare(arguments: argparse.Namespace) -> None:
+    outputs = [path for path in (arguments.json, arguments.html) if path]
+    for path in outputs:
+        check_output(path)
+    _check_distinct(*outputs)
+    from anamorph.measure.compare import compare
+    from anamorph.measure.report import report_page
+    from anamorph.measure.table import print_table
+    from anamorph.methods import METHODS, parse
+    from anamorph.scene import open_scene
+
+    specs = arguments.method or list(METHODS)
+    for spec in specs:
+        parse(spec)
+    with progress_bar(f"opening {arguments.scene}") as tell:
+        scene, settings = open_scene(arguments.scene)
+        size = arguments.size or settings.size or DEFAULT_SIZE
+        comparison = compare(scene, specs, size, command=arguments.command_line, progress=tell)
+    if arguments.json:
+        save_text(arguments.json, comparison.to_json())
+    if arguments.html:
+        save_text(arguments.html, report_page(comparison))
+    print_table(comparison)
+
+
+def _scenes(arguments: argparse.Namespace) -> None:
+    from anamorph.scene.builtin import SCENES
+
+    for name, make in SCENES.items():
+        print(f"{name:12} {(make.__doc__ or '').strip().splitlines()[0]}")
+
+
+def _info(arguments: argparse.Namespace) -> None:
+    from anamorph.gpu.device import adapter_name
+    from anamorph.methods import METHODS
+
+    facts = {"adapter": adapter_name(), **versions(), "methods": ", ".join(METHODS)}
+    for name, value in facts.items():
+        print(f"{name:12} {value}")
+
+
+def _demo(arguments: argparse.Namespace) -> None:
+    from anamorph.demo import make_demo
+    from anamorph.measure.table import print_table
+
+    with progress_bar("starting") as tell:
+        comparison = make_demo(arguments.output, arguments.command_line, tell)
+    print_table(comparison)
+    print(f"Pictures and the page are in {arguments.output}; open {arguments.output / 'index.html'}")
+
+
+def _check_distinct(*paths: Path) -> None:
+    places = [path.resolve() for path in paths]
+    for path in paths:
+        if places.count(path.resolve()) > 1:
+            raise AnamorphError(f"{path}: is asked for twice; give every output its own name")
+
+
+class _Parser(argparse.ArgumentParser):
+    """Says what is wrong in one line, like every other error here."""
+
+    def error(self, message: str) -> NoReturn:
+        raise AnamorphError(f"{message}; see '{self.prog} --help'")
+
+
+class _Version(argparse.Action):
+    def __call__(self, parser: argparse.ArgumentParser, *_: object) -> NoReturn:
+        print(f"anamorph {versions()['anamorph']}")
+        parser.exit()
+
+
+def _size(text: str) -> tuple[int, int]:
+    width, _, height = text.partition("x")
+    if not (width.isascii() and width.isdigit() and height.isascii() and height.isdigit()):
+        raise argparse.ArgumentTypeError(f"'{text}' is no size; write it like 1024x768")
+    if int(width) < 1 or int(height) < 1:
+        raise argparse.ArgumentTypeError(f"'{text}' has no pixels; width and height start at 1")
+    return int(width), int(height)
+
+
+def _samples(text: str) -> int:
+    if not (text.isascii() and text.isdigit() and int(text) > 0):
+        raise argparse.ArgumentTypeError(f"'{text}' is no number of samples; write a whole number from 1")
+    return int(text)
+
+
+def _seen(text: str) -> tuple[str, Path]:
+    name, equals, path = text.partition("=")
+    if name not in SEEN or not equals or not path:
+        raise argparse.ArgumentTypeError(f"'{text}' is no seen buffer; write NAME=FILE.npy with {', '.join(SEEN)}")
+    return name, Path(path)
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = _Parser(
+        prog="anamorph",
+        description="What an eye sees in a curved mirror, and how far from the truth.",
+        epilog=EXAMPLES,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+        allow_abbrev=False,
+    )
+    parser.add_argument("--version", action=_Version, nargs=0, help="print the version and exit")
+    commands = parser.add_subparsers(metavar="COMMAND", required=True, dest="command")
+
+    def command(name: str, run: object, help: str) -> argparse.ArgumentParser:
+        added = commands.add_parser(name, help=help, description=help, allow_abbrev=False)
+        added.set_defaults(run=run)
+        return added
+
+    scene = "a built-in scene, a scene file (.toml) or any model file (.glb, .gltf, .obj, .stl, .ply)"
+    size = "size of the picture in pixels, like 1024x768"
+    method = "a method and its options: METHOD[:option=value,...]"
+
+    render = command("render", _render, "render a scene, or a model before a convex mirror, to a picture")
+    render.add_argument("scene", metavar="SCENE|MODEL", help=scene)
+    render.add_argument("-m", "--method", metavar="METHOD", help=method)
+    render.add_argument(
+        "-o", "--output", metavar="FILE", type=Path, required=True, help=f"the picture: {', '.join(PICTURES)}"
+    )
+    render.add_argument("--size", metavar="WxH", type=_size, help=size)
+    render.add_argument("--samples", metavar="N", type=_samples, default=1, help="N x N samples a pixel (1)")
+    render.add_argument(
+        "--seen",
+        metavar="NAME=FILE.npy",
+        type=_seen,
+        nargs="+",
+        action="extend",
+        default=[],
+        help=f"also save what each pixel sees: {', '.join(SEEN)}",
+    )
+
+    compare = command("compare", _compare, "measure methods against the ray-traced truth, and time them")
+    compare.add_argument("scene", metavar="SCENE", help=scene)
+    compare.add_argument("-m", "--method", metavar="METHOD", action="append", help=f"{method}; may be repeated (all)")
+    compare.add_argument("--size", metavar="WxH", type=_size, help=size)
+    compare.add_argument("--json", metavar="FILE", type=Path, help="write the figures as JSON")
+    compare.add_argument("--html", metavar="FILE", type=Path, help="write one page with pictures, errors and figures")
+
+    command("scenes", _scenes, "list the built-in scenes")
+    command("info", _info, "print the graphics adapter, the versions and the methods")
+    demo = command("demo", _demo, "render car-mirror by three methods, with a page that compares them")
+    demo.add_argument("--output", metavar="DIR", type=Path, default=Path("demo-output"), help="where to (demo-output)")
+    return parser

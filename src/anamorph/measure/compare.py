@@ -1,0 +1,164 @@
+"""Methods beside the truth on one scene: pictures, errors and times from one run."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Sequence
+from dataclasses import asdict, dataclass
+from typing import Any
+
+from anamorph.frame import Frame, View
+from anamorph.gpu.device import adapter_name
+from anamorph.measure.errors import Errors, measure
+from anamorph.measure.timing import Timing, eye_path, time_in_turn
+from anamorph.methods import parse
+from anamorph.methods.protocol import Session
+from anamorph.scene.model import Scene
+from anamorph.versions import versions
+
+COMPETITOR = "raytrace"
+"""What every time is compared with, in the same run, on the same pixels and with the same shading."""
+
+Progress = Callable[[int, int, str], None]
+"""Told the steps done, their number, and what is being done now."""
+
+
+@dataclass(frozen=True, eq=False)
+class MethodResult:
+    """What one method, with its options, made of the scene."""
+
+    name: str
+    frame: Frame
+    errors: Errors
+    timing: Timing
+
+
+@dataclass(frozen=True, eq=False)
+class Comparison:
+    """Methods measured against one truth.
+
+    Parameters
+    ----------
+    scene : str
+    size : (width, height)
+    adapter : str
+        The graphics adapter that drew.
+    versions : dict of str to str
+    command : str
+        What was run, for whoever wants to run it again; may be empty.
+    truth : str
+        The method that the errors are measured against.
+    truth_frame : Frame
+    methods : tuple of MethodResult
+        The competitor among them.
+    """
+
+    scene: str
+    size: tuple[int, int]
+    adapter: str
+    versions: dict[str, str]
+    command: str
+    truth: str
+    truth_frame: Frame
+    methods: tuple[MethodResult, ...]
+
+    @property
+    def competitor(self) -> MethodResult | None:
+        """The ray tracer, whose time stands beside every other."""
+        return next((result for result in self.methods if result.name == COMPETITOR), None)
+
+    def to_dict(self) -> dict[str, Any]:
+        """The figures as plain data, under the keys that others rely on; None where nothing can be measured."""
+        return {
+            "scene": self.scene,
+            "size": list(self.size),
+            "adapter": self.adapter,
+            "versions": self.versions,
+            "command": self.command,
+            "truth": self.truth,
+            "methods": {
+                result.name: {
+                    "frame_ms": asdict(result.timing),
+                    "angular_mrad": asdict(result.errors.angular_mrad),
+                    "pixels": asdict(result.errors.pixels),
+                    "other_object_percent": result.errors.other_object_percent,
+                    "silhouette_percent": result.errors.silhouette_percent,
+                    "rmse": result.errors.rmse,
+                    "flip": result.errors.flip,
+                    "relative_error": result.errors.relative_error,
+                }
+                for result in self.methods
+            },
+        }
+
+    def to_json(self) -> str:
+        """`to_dict` as indented JSON."""
+        return json.dumps(self.to_dict(), indent=2, allow_nan=False) + "\n"
+
+
+def compare(
+    scene: Scene,
+    specs: Sequence[str],
+    size: tuple[int, int] = (1024, 768),
+    truth: str = "raytrace",
+    frames: int = 30,
+    command: str = "",
+    progress: Progress | None = None,
+) -> Comparison:
+    """Draw a scene by each method, measure it against the truth, and time it.
+
+    Parameters
+    ----------
+    scene : Scene
+        Seen by its own camera.
+    specs : sequence of str
+        Methods, each "NAME" or "NAME:option=value,...". The competitor, `raytrace`, is always added.
+    size : (width, height)
+    truth : str
+        The method that is right: `raytrace` bends rays at the exact surface.
+    frames : int
+        How many frames are timed, at least; all methods take turns.
+    command : str
+        Kept in the result.
+    progress : callable, optional
+
+    Returns
+    -------
+    Comparison
+    """
+    names = tuple(dict.fromkeys((*specs, COMPETITOR)))
+    chosen = {name: parse(name) for name in (*names, truth)}
+    tell = progress or (lambda done, total, what: None)
+    total = 2 * len(names) + 1
+    view = View(scene, scene.camera, size)
+
+    tell(0, total, f"truth by {truth}")
+    sessions = {name: method.open(view, options) for name, (method, options) in chosen.items()}
+    truth_frame = _frame(sessions[truth], view)
+    drawn: dict[str, tuple[Frame, Errors]] = {}
+    for step, name in enumerate(names, start=1):
+        tell(step, total, f"errors of {name}")
+        frame = truth_frame if name == truth else _frame(sessions[name], view)
+        drawn[name] = frame, measure(truth_frame, frame)
+
+    def tell_round(done: int, rounds: int) -> None:
+        step = len(names) + 1 + len(names) * done // rounds
+        tell(step, total, f"frame times, round {done} of {rounds}")
+
+    timed = {name: sessions[name] for name in names}
+    timings = time_in_turn(timed, eye_path(scene.camera, frames), frames, tell_round)
+    return Comparison(
+        scene=scene.name,
+        size=size,
+        adapter=adapter_name(),
+        versions=versions(),
+        command=command,
+        truth=truth,
+        truth_frame=truth_frame,
+        methods=tuple(MethodResult(name, *drawn[name], timings[name]) for name in names),
+    )
+
+
+def _frame(session: Session, view: View) -> Frame:
+    session.draw(view.camera)
+    return session.frame(seen=True)

@@ -1,0 +1,121 @@
+"""A comparison as one HTML page that needs nothing but itself."""
+
+from __future__ import annotations
+
+import base64
+from html import escape
+from importlib import resources
+from string import Template
+
+import numpy as np
+
+from anamorph.measure.compare import Comparison, MethodResult
+from anamorph.measure.figures import ROWS, number, status_shares
+from anamorph.measure.heatmap import HIGHEST, LOWEST, TICKS, VIRIDIS, heat_map
+from anamorph.output import pixel_bytes, to_pixels
+
+MARGIN = 12
+"""Pixels that are shown around the specular surfaces."""
+
+
+def report_page(comparison: Comparison) -> str:
+    """The whole page: pictures as data, the table, the error maps with their scale, and how it was made."""
+    width, height = comparison.size
+    template = Template(resources.files("anamorph.measure").joinpath("report.html").read_text(encoding="utf-8"))
+    drawn = [result for result in comparison.methods if result.name != comparison.truth]
+    return template.substitute(
+        scene=escape(comparison.scene),
+        truth=escape(comparison.truth),
+        size=f"{width} x {height}",
+        adapter=escape(comparison.adapter),
+        head=_head(comparison),
+        rows=_rows(comparison),
+        frames=max((result.timing.n for result in comparison.methods), default=0),
+        sections="\n".join(_section(comparison, result) for result in drawn),
+        pictures="\n".join(_whole_pictures(comparison, drawn)),
+        versions="\n".join(f"<dt>{escape(n)}</dt><dd>{escape(v)}</dd>" for n, v in comparison.versions.items()),
+        command=escape(comparison.command or "made from Python, not by a command"),
+    )
+
+
+def specular_box(specular: np.ndarray) -> tuple[slice, slice]:
+    """Rows and columns around the true pixels of (H, W), with a margin; everything where none is true."""
+    if not specular.any():
+        return slice(0, specular.shape[0]), slice(0, specular.shape[1])
+    rows, columns = np.flatnonzero(specular.any(axis=1)), np.flatnonzero(specular.any(axis=0))
+    return (
+        slice(max(0, int(rows[0]) - MARGIN), int(rows[-1]) + MARGIN + 1),
+        slice(max(0, int(columns[0]) - MARGIN), int(columns[-1]) + MARGIN + 1),
+    )
+
+
+def _head(comparison: Comparison) -> str:
+    return "".join(f'<th scope="col">{_breakable(result.name)}</th>' for result in comparison.methods)
+
+
+def _rows(comparison: Comparison) -> str:
+    rows = []
+    for row in ROWS:
+        cells = "".join(f"<td>{escape(row.cell(comparison, result))}</td>" for result in comparison.methods)
+        rows.append(f'<tr><th scope="row">{escape(row.label)} <small>{escape(row.unit)}</small></th>{cells}</tr>')
+    return "\n".join(rows)
+
+
+def _section(comparison: Comparison, result: MethodResult) -> str:
+    maps, name = result.errors.maps, escape(result.name)
+    box = specular_box(maps.specular)
+    angular = result.errors.angular_mrad
+    figures = (
+        _figure(to_pixels(result.frame.color[box]), f"What {name} shows in the specular surfaces", name),
+        _figure(
+            to_pixels(comparison.truth_frame.color[box]),
+            f"What is seen there in truth, by {escape(comparison.truth)}",
+            f"truth: {escape(comparison.truth)}",
+        ),
+        _figure(
+            heat_map(maps, comparison.truth_frame.color)[box],
+            f"Map of the angular error of {name}: median {number(angular.median)}, 95th percentile "
+            f"{number(angular.p95)}, maximum {number(angular.max)} milliradians",
+            "angular error, mrad (silhouettes included)" + _scale(),
+        ),
+    )
+    shares = status_shares(result.frame, maps.specular)
+    told = ", ".join(f"{escape(status)} {number(share)} %" for status, share in shares.items()) or "not told"
+    return (
+        f'<section aria-label="{name}"><h2>{_breakable(result.name)}</h2>\n'
+        f'<div class="three">{"".join(figures)}</div>\n'
+        f"<p>How the pixels that look at a specular surface got their value: {told}.</p></section>"
+    )
+
+
+def _whole_pictures(comparison: Comparison, drawn: list[MethodResult]) -> list[str]:
+    truth = escape(comparison.truth)
+    pictures = [
+        _figure(to_pixels(result.frame.color), f"The whole picture by {escape(result.name)}", _breakable(result.name))
+        for result in drawn
+    ]
+    alt = f"The whole picture in truth, by {truth}"
+    return [*pictures, _figure(to_pixels(comparison.truth_frame.color), alt, f"truth: {truth}")]
+
+
+def _figure(pixels: np.ndarray, alt: str, caption: str) -> str:
+    height, width = pixels.shape[:2]
+    data = base64.b64encode(pixel_bytes(pixels)).decode("ascii")
+    image = f'<img alt="{alt}" width="{width}" height="{height}" src="data:image/png;base64,{data}">'
+    return f"<figure>{image}<figcaption>{caption}</figcaption></figure>\n"
+
+
+def _scale() -> str:
+    gradient = f"background:linear-gradient(to right,{','.join(VIRIDIS)})"
+    labels = [f"{tick:g}" for tick in TICKS]
+    ends = f"{LOWEST:g} or less to {HIGHEST:g} or more milliradians, logarithmic"
+    ticks = "".join(f"<span>{label}</span>" for label in labels)
+    return (
+        f'<div class="scale"><div class="bar" style="{gradient}" role="img" aria-label="Colour scale: {ends}"></div>'
+        f'<div class="ticks" aria-hidden="true">{ticks}</div></div>'
+    )
+
+
+def _breakable(name: str) -> str:
+    """A method's name with its options, which may be long, allowed to break after each."""
+    return escape(name).replace(":", ":<wbr>").replace(",", ",<wbr>")

@@ -1,0 +1,38 @@
+"""The table of a comparison on the terminal."""
+
+from __future__ import annotations
+
+from rich.console import Console
+from rich.table import Table
+from rich.text import Text
+
+from anamorph.measure.compare import Comparison
+from anamorph.measure.figures import ROWS
+
+
+def comparison_table(comparison: Comparison) -> Table:
+    """Measures as rows, methods as columns."""
+    width, height = comparison.size
+    frames = max((result.timing.n for result in comparison.methods), default=0)
+    table = Table(
+        title=Text(f"{comparison.scene}, {width} x {height}, against {comparison.truth}"),
+        caption=Text(f"{comparison.adapter}; frame times over {frames} frames, the eye moving"),
+        title_justify="left",
+        caption_justify="left",
+    )
+    table.add_column("")
+    table.add_column("unit")
+    for result in comparison.methods:
+        table.add_column(Text(result.name), justify="right", overflow="fold")
+    for row in ROWS:
+        table.add_row(row.label, row.unit, *(row.cell(comparison, result) for result in comparison.methods))
+    return table
+
+
+def print_table(comparison: Comparison) -> None:
+    """Print the table on stdout: as wide as the terminal, or as wide as it needs to be where there is none."""
+    console = Console(highlight=False)
+    table = comparison_table(comparison)
+    if not console.is_terminal:
+        console.width = max(80, Console(width=10_000).measure(table).maximum)
+    console.print(table)

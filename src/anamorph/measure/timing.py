@@ -1,0 +1,68 @@
+"""How long a frame takes, in the steady state: the eye moves each frame, and nothing is read back."""
+
+from __future__ import annotations
+
+import statistics
+import time
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from anamorph.methods.protocol import Session
+from anamorph.scene.camera import Camera
+
+WARM_UP = 3
+"""Frames that are drawn but not counted: shaders are compiled at their first use."""
+
+ORBIT = 0.005
+"""Radius of the eye's path, relative to its distance from the target: 4 mm at 0.8 m."""
+
+
+@dataclass(frozen=True)
+class Timing:
+    """Milliseconds a frame, over `n` frames."""
+
+    median: float
+    min: float
+    max: float
+    n: int
+
+
+def eye_path(camera: Camera, n: int) -> list[Camera]:
+    """`n` cameras with the same target, whose eyes go round a small circle about that of `camera`, in its plane."""
+    right, up, _ = camera.axes()
+    radius = ORBIT * np.linalg.norm(np.subtract(camera.target, camera.position))
+    turns = 2.0 * np.pi * np.arange(n) / n
+    offsets = radius * (np.cos(turns)[:, None] * right + np.sin(turns)[:, None] * up)
+    x, y, z = camera.position
+    return [replace(camera, position=(x + float(dx), y + float(dy), z + float(dz))) for dx, dy, dz in offsets]
+
+
+def time_frames(session: Session, cameras: Sequence[Camera], minimum: int = 30) -> Timing:
+    """Time at least `minimum` frames of one session, from each of the cameras in turn."""
+    return time_in_turn({"": session}, cameras, minimum)[""]
+
+
+def time_in_turn(
+    sessions: Mapping[str, Session],
+    cameras: Sequence[Camera],
+    minimum: int = 30,
+    progress: Callable[[int, int], None] | None = None,
+) -> dict[str, Timing]:
+    """Time sessions side by side: each draws a frame from one camera before any goes on to the next.
+
+    What else the machine does thus falls on all of them alike. `progress` is told the rounds done, and their number.
+    """
+    spent: dict[str, list[float]] = {name: [] for name in sessions}
+    counted = max(minimum, len(cameras))
+    for round_number in range(-WARM_UP, counted):
+        for name, session in sessions.items():
+            start = time.perf_counter()
+            session.draw(cameras[round_number % len(cameras)])
+            session.wait()
+            if round_number >= 0:
+                spent[name].append(1000.0 * (time.perf_counter() - start))
+        if progress:
+            progress(round_number + WARM_UP + 1, counted + WARM_UP)
+    return {name: Timing(statistics.median(ms), min(ms), max(ms), len(ms)) for name, ms in spent.items()}

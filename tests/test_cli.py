@@ -1,0 +1,186 @@
+"""The command line end to end: what a user types, sees and gets."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+import trimesh
+from PIL import Image
+
+from anamorph import demo
+
+COMMAND = [sys.executable, "-m", "anamorph"]
+
+
+def run(*arguments: str, directory: Path | None = None) -> subprocess.CompletedProcess[str]:
+    """Run the command as a user whose output is piped would, with no private run-time directory."""
+    environment = {name: value for name, value in os.environ.items() if name != "XDG_RUNTIME_DIR"}
+    return subprocess.run(
+        [*COMMAND, *arguments], capture_output=True, text=True, cwd=directory, env=environment, timeout=300
+    )
+
+
+def quiet_success(result: subprocess.CompletedProcess[str]) -> str:
+    assert (result.returncode, result.stderr) == (0, "")
+    return result.stdout
+
+
+def one_line_error(result: subprocess.CompletedProcess[str]) -> str:
+    assert result.returncode == 2, result.stderr
+    assert result.stdout == ""
+    assert result.stderr.startswith("anamorph: error: ")
+    assert result.stderr.count("\n") == 1
+    return result.stderr
+
+
+def test_render_writes_a_picture_and_what_each_pixel_sees(tmp_path):
+    seen = [f"{name}={name}.npy" for name in ("position", "object_id", "specular", "status")]
+    arguments = ("render", "car-mirror", "-m", "pervertex", "-o", "a.png", "--size", "160x120", "--seen", *seen)
+    assert quiet_success(run(*arguments, directory=tmp_path)) == ""
+    assert sorted(path.name for path in tmp_path.iterdir()) == sorted(
+        ["a.png", "position.npy", "object_id.npy", "specular.npy", "status.npy"]
+    )
+    with Image.open(tmp_path / "a.png") as image:
+        assert image.size == (160, 120)
+        assert np.ptp(np.asarray(image)) > 100
+    position, object_id, specular = (np.load(tmp_path / f"{n}.npy") for n in ("position", "object_id", "specular"))
+    assert position.shape == (120, 160, 3)
+    assert np.isfinite(position).all()
+    assert object_id.shape == specular.shape == (120, 160)
+    assert (specular != 0).any()
+
+
+def test_render_shows_a_model_with_no_scene_file_and_keeps_linear_floats(tmp_path):
+    trimesh.creation.box((1.0, 2.0, 3.0)).export(tmp_path / "box.glb")
+    options = ("-m", "raytrace", "-o", "a.npy", "--size", "64x48", "--samples", "2")
+    quiet_success(run("render", "box.glb", *options, directory=tmp_path))
+    picture = np.load(tmp_path / "a.npy")
+    assert picture.shape == (48, 64, 3)
+    assert picture.dtype == np.float32
+    assert np.isfinite(picture).all()
+
+
+def test_compare_prints_a_table_and_writes_json_and_a_page(tmp_path):
+    method = "pervertex:antialias=4"
+    outputs = ("--json", "a.json", "--html", "a.html")
+    table = quiet_success(
+        run("compare", "spheres", "-m", method, "-m", "environment", "--size", "96x64", *outputs, directory=tmp_path)
+    )
+    assert method in table
+    assert "mrad" in table
+    figures = json.loads((tmp_path / "a.json").read_text())
+    assert figures["size"] == [96, 64]
+    assert list(figures["methods"]) == [method, "environment", "raytrace"]
+    assert figures["command"].startswith("anamorph compare spheres -m pervertex:antialias=4")
+    assert figures["methods"]["raytrace"]["angular_mrad"]["max"] < 0.01
+    assert figures["methods"]["environment"]["angular_mrad"]["median"] > 0.0
+    assert all(result["frame_ms"]["n"] >= 30 for result in figures["methods"].values())
+    page = (tmp_path / "a.html").read_text()
+    assert page.startswith("<!doctype html>")
+    assert figures["command"] in page
+
+
+def test_scenes_are_listed_one_a_line():
+    lines = quiet_success(run("scenes")).splitlines()
+    assert {"car-mirror", "spheres", "room"} <= {line.split()[0] for line in lines}
+    assert all(len(line.split()) > 3 for line in lines)
+
+
+def test_info_tells_the_adapter_and_every_version():
+    facts = dict(line.split(maxsplit=1) for line in quiet_success(run("info")).splitlines())
+    assert {"adapter", "anamorph", "wgpu", "embreex", "trimesh", "numpy", "python", "methods"} <= facts.keys()
+    assert facts["python"] == ".".join(str(part) for part in sys.version_info[:3])
+    assert {"pervertex", "environment", "raytrace"} <= set(facts["methods"].split(", "))
+
+
+def test_help_has_examples_and_the_version_is_one_line():
+    assert "anamorph render model.glb" in quiet_success(run("--help"))
+    assert quiet_success(run("--version")).startswith("anamorph ")
+
+
+USAGE = {
+    "nothing": ((), "COMMAND"),
+    "unknown command": (("paint",), "invalid choice: 'paint'"),
+    "no output": (("render", "spheres"), "-o/--output"),
+    "unknown option": (("compare", "spheres", "--fast"), "--fast"),
+    "abbreviated option": (("render", "spheres", "-o", "a.png", "--sam", "2"), "--sam"),
+    "size zero": (("render", "spheres", "-o", "a.png", "--size", "0x4"), "'0x4' has no pixels"),
+    "size of words": (("render", "spheres", "-o", "a.png", "--size", "big"), "write it like 1024x768"),
+    "negative size": (("render", "spheres", "-o", "a.png", "--size=-3x4"), "'-3x4' is no size"),
+    "no samples": (("render", "spheres", "-o", "a.png", "--samples", "0"), "whole number from 1"),
+    "unknown format": (("render", "spheres", "-o", "a.gif"), "end the name in .png"),
+    "no format": (("render", "spheres", "-o", "a"), "end the name in .png"),
+    "no directory": (("render", "spheres", "-o", "no/a.png"), "no/a.png: there is no directory"),
+    "directory in the way": (("render", "spheres", "-o", "taken.png"), "not a plain file"),
+    "unknown buffer": (("render", "spheres", "-o", "a.png", "--seen", "depth=a.npy"), "'depth=a.npy' is no seen"),
+    "buffer without file": (("render", "spheres", "-o", "a.png", "--seen", "position"), "write NAME=FILE.npy"),
+    "buffer as picture": (("render", "spheres", "-o", "a.png", "--seen", "position=a.jpg"), "end the name in .npy"),
+    "one file for two": (("render", "spheres", "-o", "a.npy", "--seen", "position=a.npy"), "a.npy: is asked for twice"),
+    "page over figures": (("compare", "spheres", "--json", "a", "--html", "a"), "a: is asked for twice"),
+    "page nowhere": (("compare", "spheres", "--html", "no/a.html"), "no/a.html: there is no directory"),
+}
+
+
+@pytest.mark.parametrize(("arguments", "told"), USAGE.values(), ids=USAGE.keys())
+def test_wrong_usage_is_one_line_with_the_remedy_before_any_work(arguments, told, tmp_path):
+    (tmp_path / "taken.png").mkdir()
+    assert told in one_line_error(run(*arguments, directory=tmp_path))
+    assert os.listdir(tmp_path) == ["taken.png"]
+
+
+INPUT = {
+    "unknown method": (("render", "spheres", "-m", "magic", "-o", "a.png"), "magic"),
+    "unknown method option": (("compare", "spheres", "-m", "pervertex:gloss=1"), "gloss"),
+    "wrong value of an option": (("render", "spheres", "-m", "pervertex:antialias=many", "-o", "a.png"), "many"),
+    "missing file": (("render", "no.glb", "-o", "a.png"), "no.glb"),
+    "unknown scene": (("compare", "nowhere"), "nowhere"),
+    "damaged file": (("render", "damaged.glb", "-o", "a.png"), "damaged.glb"),
+    "size beyond the device": (("render", "spheres", "-o", "a.png", "--size", "999999x2"), "999999x2"),
+    "demo under a file": (("demo", "--output", "damaged.glb/x"), "damaged.glb"),
+}
+
+
+@pytest.mark.parametrize(("arguments", "told"), INPUT.values(), ids=INPUT.keys())
+def test_bad_input_is_one_line_and_leaves_no_file(arguments, told, tmp_path):
+    (tmp_path / "damaged.glb").write_bytes(b"glTF\x02\x00\x00\x00 no more")
+    assert told in one_line_error(run(*arguments, directory=tmp_path))
+    assert os.listdir(tmp_path) == ["damaged.glb"]
+
+
+def test_an_interrupt_says_so_and_leaves_no_part_of_a_file(tmp_path):
+    arguments = ["compare", "car-mirror", "--json", "a.json", "--html", "a.html"]
+    with subprocess.Popen([*COMMAND, *arguments], cwd=tmp_path, stderr=subprocess.PIPE, text=True) as process:
+        time.sleep(1.5)
+        process.send_signal(signal.SIGINT)
+        error = process.communicate(timeout=60)[1]
+    assert (process.returncode, error.count("\n")) == (130, 1)
+    assert error.startswith("anamorph: error: interrupted")
+    assert os.listdir(tmp_path) == []
+
+
+def test_a_reader_who_has_enough_is_no_error():
+    with subprocess.Popen([*COMMAND, "scenes"], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as process:
+        process.stdout.close()
+        error = process.stderr.read()
+    assert error == ""
+    assert process.returncode == 141
+
+
+def test_the_demo_writes_a_page_figures_and_a_picture_by_each_method(tmp_path, monkeypatch):
+    monkeypatch.setattr(demo, "SIZE", (96, 72))
+    comparison = demo.make_demo(tmp_path / "new" / "place", "anamorph demo", lambda done, total, what: None)
+    pictures = {f"car-mirror-{result.name}.png" for result in comparison.methods}
+    assert {path.name for path in (tmp_path / "new" / "place").iterdir()} == {
+        "index.html",
+        "comparison.json",
+        *pictures,
+    }
+    assert pictures == {f"car-mirror-{name}.png" for name in ("pervertex", "environment", "raytrace")}

@@ -1,0 +1,255 @@
+"""Timing, the comparison, and its table and page, on frames that need no device."""
+
+from __future__ import annotations
+
+import base64
+import io
+import json
+import re
+from dataclasses import replace
+from html import escape
+from html.parser import HTMLParser
+
+import numpy as np
+import pytest
+from frames import FakeSession, plane_truth
+from PIL import Image
+
+from anamorph.frame import Status
+from anamorph.measure import compare as compare_module
+from anamorph.measure.compare import Comparison, compare
+from anamorph.measure.figures import ROWS, number, status_shares
+from anamorph.measure.heatmap import HIGHEST, LOWEST, VIRIDIS, heat_map, scale_colors
+from anamorph.measure.report import report_page, specular_box
+from anamorph.measure.table import print_table
+from anamorph.measure.timing import WARM_UP, eye_path, time_frames, time_in_turn
+from anamorph.methods.protocol import Method
+from anamorph.scene.camera import Camera
+from anamorph.scene.model import Scene
+
+CAMERA = Camera((1.0, 2.0, 3.0), (1.0, 2.0, 1.0))
+SCENE = Scene("flat <mirror>", (), CAMERA)
+ODD = 'odd:name="<b>&",other=1'
+
+
+@pytest.fixture
+def sessions(monkeypatch) -> dict[str, FakeSession]:
+    """Three methods, by name: the truth, one that is nearly right, one whose name must be escaped."""
+    truth = plane_truth()
+    truth.specular[:4] = 0
+    truth.object_id[:, 40:] = 6
+    truth.status[:] = Status.TRACED
+    near = replace(truth, position=truth.position + np.float32([0.02, 0.0, 0.0]), status=truth.status.copy())
+    near.status[:] = Status.WARPED
+    made = {
+        "raytrace": FakeSession(truth),
+        "pervertex": FakeSession(near),
+        ODD: FakeSession(replace(near, color=0.5 * near.color)),
+    }
+
+    def parse(spec: str) -> tuple[Method, object]:
+        return Method(spec, "", "", object, lambda view, options: made[spec]), object()
+
+    monkeypatch.setattr(compare_module, "parse", parse)
+    monkeypatch.setattr(compare_module, "adapter_name", lambda: "Fake & Sons (CPU)")
+    return made
+
+
+@pytest.fixture
+def comparison(sessions) -> Comparison:
+    return compare(SCENE, ["pervertex", ODD], (48, 32), command="anamorph compare 'flat <mirror>'")
+
+
+def test_the_eye_goes_round_its_place_and_keeps_its_target():
+    cameras = eye_path(CAMERA, 8)
+    offsets = np.array([camera.position for camera in cameras]) - CAMERA.position
+    assert np.linalg.norm(offsets, axis=1) == pytest.approx(np.full(8, 0.005 * 2.0))
+    assert offsets.mean(axis=0) == pytest.approx(np.zeros(3), abs=1e-12)
+    assert offsets @ CAMERA.axes()[2] == pytest.approx(np.zeros(8), abs=1e-12)
+    assert {camera.target for camera in cameras} == {CAMERA.target}
+    assert len({camera.position for camera in cameras}) == 8
+
+
+def test_frames_are_drawn_and_waited_for_but_not_read():
+    session = FakeSession(plane_truth())
+    timing = time_frames(session, eye_path(CAMERA, 7), minimum=30)
+    assert session.calls == ["draw", "wait"] * (30 + WARM_UP)
+    assert all(first != second for first, second in zip(session.eyes, session.eyes[1:], strict=False))
+    assert timing.n == 30
+    assert 0.0 < timing.min <= timing.median <= timing.max
+
+
+def test_methods_take_turns():
+    order: list[str] = []
+
+    class Turn(FakeSession):
+        def wait(self) -> None:
+            order.append(self.calls[0])
+
+    def named(name: str) -> Turn:
+        session = Turn(plane_truth())
+        session.calls.append(name)
+        return session
+
+    time_in_turn({"a": named("a"), "b": named("b")}, eye_path(CAMERA, 3), minimum=3)
+    assert order == ["a", "b"] * (3 + WARM_UP)
+
+
+def test_the_json_has_the_keys_that_others_rely_on(comparison):
+    figures = json.loads(comparison.to_json())
+    assert {"scene", "size", "adapter", "methods"} <= figures.keys()
+    assert figures["scene"] == "flat <mirror>"
+    assert figures["size"] == [48, 32]
+    assert list(figures["methods"]) == ["pervertex", ODD, "raytrace"]
+    for result in figures["methods"].values():
+        assert result.keys() == {
+            "frame_ms",
+            "angular_mrad",
+            "pixels",
+            "other_object_percent",
+            "silhouette_percent",
+            "rmse",
+            "flip",
+            "relative_error",
+        }
+        assert result["frame_ms"].keys() == {"median", "min", "max", "n"}
+        assert result["angular_mrad"].keys() == result["pixels"].keys() == {"median", "p95", "max"}
+        assert result["frame_ms"]["n"] >= 30
+    assert figures["methods"]["pervertex"]["pixels"]["median"] == pytest.approx(0.1, rel=1e-2)
+    assert figures["methods"]["raytrace"]["rmse"] == 0.0
+
+
+def test_the_competitor_is_timed_whether_named_or_not(sessions):
+    assert [result.name for result in compare(SCENE, [], (48, 32)).methods] == ["raytrace"]
+    assert [result.name for result in compare(SCENE, ["raytrace", "raytrace"], (48, 32)).methods] == ["raytrace"]
+
+
+def test_a_scene_without_mirrors_has_null_errors_and_no_crash(sessions):
+    for session in sessions.values():
+        session.shown.specular[:] = 0
+    comparison = compare(SCENE, ["pervertex"], (48, 32))
+    figures = json.loads(comparison.to_json())["methods"]["pervertex"]
+    assert figures["angular_mrad"] == {"median": None, "p95": None, "max": None}
+    assert figures["flip"] is figures["silhouette_percent"] is None
+    assert "<td>-</td>" in report_page(comparison)
+
+
+def test_progress_goes_forward_to_its_end(sessions):
+    told: list[tuple[int, int]] = []
+    compare(SCENE, ["pervertex"], (48, 32), progress=lambda done, total, what: told.append((done, total)))
+    assert told == sorted(told)
+    assert told[-1][0] == told[-1][1]
+
+
+class Page(HTMLParser):
+    """What a page is made of."""
+
+    def __init__(self, text: str) -> None:
+        super().__init__()
+        self.tags: list[tuple[str, dict[str, str | None]]] = []
+        self.open: list[str] = []
+        self.feed(text)
+
+    def handle_starttag(self, tag, attrs):
+        self.tags.append((tag, dict(attrs)))
+        if tag not in ("img", "meta", "link", "wbr", "br"):
+            self.open.append(tag)
+
+    def handle_endtag(self, tag):
+        assert self.open.pop() == tag
+
+
+def test_the_page_asks_for_nothing_from_outside_and_is_well_formed(comparison):
+    text = report_page(comparison)
+    page = Page(text)
+    assert page.open == []
+    assert not [tag for tag, _ in page.tags if tag in ("script", "iframe", "object")]
+    sources = [attributes[key] for _, attributes in page.tags for key in ("src", "href") if key in attributes]
+    assert all(source.startswith("data:") for source in sources)
+    assert not re.search(r"https?://|url\(|@import", text)
+
+
+def test_the_page_escapes_names_and_shows_every_figure(comparison):
+    text = report_page(comparison)
+    assert "<b>" not in text
+    assert "flat &lt;mirror&gt;" in text
+    assert "Fake &amp; Sons (CPU)" in text
+    for result in comparison.methods:
+        for row in ROWS:
+            assert f"<td>{escape(row.cell(comparison, result))}</td>" in text
+    assert "anamorph compare &#x27;flat &lt;mirror&gt;&#x27;" in text
+
+
+def test_every_picture_is_a_png_with_words_and_every_table_cell_has_a_header(comparison):
+    page = Page(report_page(comparison))
+    images = [attributes for tag, attributes in page.tags if tag == "img"]
+    # three for each of the two methods that are not the truth, and the whole pictures
+    assert len(images) == 2 * 3 + 3
+    for image in images:
+        assert image["alt"]
+        with Image.open(io.BytesIO(base64.b64decode(image["src"].removeprefix("data:image/png;base64,")))) as picture:
+            assert picture.format == "PNG"
+            assert (str(picture.width), str(picture.height)) == (image["width"], image["height"])
+    scopes = [attributes.get("scope") for tag, attributes in page.tags if tag == "th"]
+    assert scopes.count("col") == 3
+    assert scopes.count("row") == len(ROWS)
+
+
+def test_the_page_says_how_pixels_got_their_value(comparison):
+    assert "got their value: warped 100 %" in report_page(comparison)
+
+
+def test_status_shares_count_only_what_they_are_told_to():
+    truth = plane_truth()
+    truth.status[:, :24] = Status.TOTAL_REFLECTION
+    counted = np.zeros(truth.status.shape, bool)
+    counted[:, 12:] = True
+    assert status_shares(truth, counted) == pytest.approx({"direct": 100 * 24 / 36, "total reflection": 100 * 12 / 36})
+    assert list(status_shares(truth, counted)) == ["direct", "total reflection"]
+    assert status_shares(truth, np.zeros_like(counted)) == {}
+
+
+def test_the_scale_is_logarithmic_and_has_ends():
+    first, last = (tuple(int(color[i : i + 2], 16) for i in (1, 3, 5)) for color in (VIRIDIS[0], VIRIDIS[-1]))
+    middle = tuple(int(VIRIDIS[4][i : i + 2], 16) for i in (1, 3, 5))
+    colors = scale_colors(np.array([0.0, LOWEST, np.sqrt(LOWEST * HIGHEST), HIGHEST, 1e9]))
+    assert [tuple(int(c) for c in color) for color in colors] == [first, first, middle, last, last]
+
+
+def test_the_heat_map_colours_only_specular_pixels(comparison):
+    maps = comparison.methods[0].errors.maps
+    picture = heat_map(maps, comparison.truth_frame.color)
+    assert np.ptp(picture[:4].astype(int), axis=-1).max() == 0
+    assert np.ptp(picture[4:].astype(int), axis=-1).min() > 0
+
+
+def test_the_box_holds_every_specular_pixel():
+    specular = np.zeros((100, 80), bool)
+    assert specular_box(specular) == (slice(0, 100), slice(0, 80))
+    specular[40, 5] = specular[50, 70] = True
+    assert specular[specular_box(specular)].sum() == 2
+    assert specular[specular_box(specular)].shape == (35, 80)
+
+
+@pytest.mark.parametrize(
+    ("value", "text"),
+    [
+        (None, "-"),
+        (0.0, "0"),
+        (0.00123, "0.00123"),
+        (0.5, "0.500"),
+        (12.345, "12.3"),
+        (1234.5, "1,234"),
+        (1e-9, "< 0.00001"),
+    ],
+)
+def test_numbers_have_three_digits_and_no_exponent(value, text):
+    assert number(value) == text
+
+
+def test_the_table_names_methods_units_and_the_competitor(comparison, capsys):
+    print_table(comparison)
+    printed = capsys.readouterr().out
+    for word in ("pervertex", ODD, "raytrace", "mrad", "as fast as raytrace", "Fake & Sons", "flat <mirror>"):
+        assert word in printed
+    assert "1.00" in printed

@@ -1,0 +1,48 @@
+"""The built-in scenes, made by parametric code with fixed seeds: the same arrays on every machine.
+
+To add one: a module beside this one with a function that returns a `Scene`, and a line in `SCENES`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from anamorph.errors import AnamorphError
+from anamorph.scene.builtin.car_mirror import car_mirror
+from anamorph.scene.builtin.flat_mirror import flat_mirror
+from anamorph.scene.builtin.room import room
+from anamorph.scene.builtin.spheres import spheres
+from anamorph.scene.model import Scene
+
+
+@dataclass(frozen=True)
+class BuiltIn:
+    """A built-in scene: its name, one line for lists, and how to make it."""
+
+    name: str
+    summary: str
+    make: Callable[[], Scene]
+
+
+SCENES: dict[str, BuiltIn] = {
+    entry.name: entry
+    for entry in (
+        BuiltIn("car-mirror", "the driver's eye beside a convex door mirror, in a town", car_mirror),
+        BuiltIn("spheres", "a mirror ball and a flat mirror among coloured balls, all of closed form", spheres),
+        BuiltIn("room", "a polished Utah teapot, of 32 Bezier patches, on a table in a room", room),
+        BuiltIn("flat-mirror", "a flat wall mirror of two triangles, seen aslant", flat_mirror),
+    )
+}
+
+
+def names() -> tuple[str, ...]:
+    """The names of the built-in scenes, the main one first."""
+    return tuple(SCENES)
+
+
+def make(name: str) -> Scene:
+    """The built-in scene called `name`."""
+    if name not in SCENES:
+        raise AnamorphError(f"scene '{name}' is not built in; choose one of: {', '.join(SCENES)}")
+    return SCENES[name].make()

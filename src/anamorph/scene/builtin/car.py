@@ -20,7 +20,7 @@ TRIM: Color = (0.025, 0.025, 0.028)
 STATIONS = np.array(
     [
         [-2.18, 0.62, 0.30, 0.56, 0.60, 0.50],
-        [-2.12, 0.76, 0.22, 0.64, 0.69, 0.62],
+        [-2.10, 0.78, 0.22, 0.66, 0.71, 0.62],
         [-1.85, 0.85, 0.19, 0.73, 0.78, 0.68],
         [-1.36, 0.88, 0.19, 0.82, 0.87, 0.70],
         [-0.92, 0.88, 0.19, 0.88, 0.93, 0.72],
@@ -57,8 +57,8 @@ def section(station: np.ndarray) -> np.ndarray:
     )
 
 
-def body(paint: Color, glazed: bool = True) -> Shape:
-    """The painted shell with its windows; without glass the windows are open."""
+def body(paint: Color, driven: bool) -> Shape:
+    """The painted shell with its windows; where it is `driven` from, the windscreen and the front windows are open."""
     half = np.array([section(station) for station in STATIONS])
     count, size = half.shape[:2]
     z = np.broadcast_to(STATIONS[:, :1, None], (count, size, 1))
@@ -79,10 +79,10 @@ def body(paint: Color, glazed: bool = True) -> Shape:
     height = skin.reshape(-1, 3)[faces][..., 1]
     colors = np.broadcast_to(np.asarray(paint, float), (len(faces), 3, 3)).copy()
     colors[glass] = np.asarray(GLASS) * (1.0 + 6.0 * np.clip(height[glass] - 0.9, 0.0, 0.5)[..., None])
-    colors[column == 0] = TRIM
+    colors[column <= 1] = TRIM
     colors *= np.clip(0.45 + 1.1 * (height - 0.15), 0.45, 1.0)[..., None]
-    shown = np.ones(len(faces), bool) if glazed else ~glass
-    return creased(skin.reshape(-1, 3), faces[shown], 32.0, colors=colors[shown])
+    seen = (column > 0) if not driven else ~(glass & (row < PILLAR))
+    return creased(skin.reshape(-1, 3), faces[seen], 32.0, colors=colors[seen])
 
 
 def wheel(fine: bool) -> Shape:
@@ -107,32 +107,41 @@ def arch(side: int, z: float, fine: bool) -> Shape:
 
 
 def lamps() -> list[Shape]:
-    """Head and rear lamps, grille, bumpers and handles."""
+    """Grille, head lamps and rear lamps."""
     parts = [
-        box((-0.40, 0.38, -2.20), (0.40, 0.54, -2.10), "+x-x+y-y-z").painted((0.02, 0.02, 0.022)),
-        box((-0.36, 0.445, -2.21), (0.36, 0.465, -2.19), "+y-y-z").painted(RIM),
+        box((-0.40, 0.38, -2.20), (0.40, 0.54, -2.10), "+x-x+y-z").painted((0.02, 0.02, 0.022)),
+        box((-0.36, 0.445, -2.21), (0.36, 0.465, -2.205), "-z").painted(RIM),
     ]
     for side in (-1, 1):
         low, high = sorted((side * 0.44, side * 0.70))
-        parts.append(box((low, 0.50, -2.185), (high, 0.62, -2.0), "+x-x+y-y-z").painted((0.75, 0.78, 0.80)))
-        parts.append(box((low + 0.07, 0.53, -2.19), (high - 0.07, 0.59, -2.17), "-z").painted((1.0, 1.0, 0.95)))
+        parts.append(box((low, 0.50, -2.185), (high, 0.62, -2.0), "+x-x+y-z").painted((0.55, 0.58, 0.60)))
+        parts.append(box((low + 0.05, 0.525, -2.192), (high - 0.05, 0.595, -2.17), "-z").painted((1.0, 1.0, 0.95)))
         low, high = sorted((side * 0.48, side * 0.75))
-        parts.append(box((low, 0.66, 2.1), (high, 0.80, 2.195), "+x-x+y-y+z").painted((0.55, 0.02, 0.015)))
-        parts.append(box((low, 0.66, 2.1), (low + 0.09, 0.71, 2.20), "+x-x+y-y+z").painted((0.8, 0.35, 0.03)))
-        for z in (0.0, 0.9):
-            x = side * (HALF_WIDTH + 0.004)
-            parts.append(box((x - 0.012, 0.72, z - 0.09), (x + 0.012, 0.745, z + 0.09)).painted(TRIM))
+        parts.append(box((low, 0.66, 2.1), (high, 0.80, 2.195), "+x-x+y+z").painted((0.55, 0.02, 0.015)))
+        parts.append(box((low, 0.67, 2.1), (low + 0.09, 0.71, 2.202), "+z").painted((0.8, 0.35, 0.03)))
     return parts
 
 
+def handles() -> list[Shape]:
+    """The handles of the four doors."""
+    out = HALF_WIDTH + 0.004
+    places = [(side * out, z) for side in (-1, 1) for z in (0.0, 0.9)]
+    return [box((x - 0.014, 0.72, z - 0.09), (x + 0.014, 0.745, z + 0.09)).painted(TRIM) for x, z in places]
+
+
 def saloon(paint: Color, own: bool = False) -> Shape:
-    """A whole car on its wheels, its nose to -z, its middle over the origin; one's own car is finer and has no glass."""
-    parts = [body(paint, glazed=not own), *lamps()]
+    """A whole car on its wheels, its nose to -z, its middle over the origin.
+
+    One's own car is finer, and open where its driver looks out.
+    """
+    parts = [body(paint, driven=own), *lamps()]
     for z in WHEELS:
-        parts += [arch(side, z, own) for side in (-1, 1)]
-        parts.append(wheel(own).moved(HALF_WIDTH + 0.02, WHEEL_RADIUS, z))
+        parts += [arch(1, z, False), arch(-1, z, own)]
+        parts.append(wheel(False).moved(HALF_WIDTH + 0.02, WHEEL_RADIUS, z))
         parts.append(wheel(own).turned(180.0).moved(-HALF_WIDTH - 0.02, WHEEL_RADIUS, z))
-    if not own:
+    if own:
+        parts += handles()
+    else:
         ear = box((-0.09, -0.06, -0.05), (0.09, 0.06, 0.05)).painted(paint)
         parts += [ear.moved(side * 0.95, 0.98, -0.6) for side in (-1, 1)]
     return join(parts)

@@ -8,9 +8,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from anamorph.scene.builtin.car import HALF_WIDTH, number_plates, saloon
-from anamorph.scene.builtin.shapes import Shape, box, lattice, loft
-from anamorph.scene.builtin.town import cars, ground, houses, lamps, road_patch, shadow, trees
+from anamorph.scene.builtin import town_textures as wear
+from anamorph.scene.builtin.car import CABIN, HALF_WIDTH, PILLAR, STATIONS, saloon
+from anamorph.scene.builtin.shapes import Shape, lattice, loft
+from anamorph.scene.builtin.town import car_shade, cars, ground, houses, lamps, trees
 from anamorph.scene.camera import Camera
 from anamorph.scene.model import AmbientLight, Diffuse, DirectionalLight, Mesh, Mirror, Scene, Sky
 from anamorph.scene.surfaces import Sphere
@@ -18,12 +19,13 @@ from anamorph.scene.surfaces import Sphere
 RADIUS = 1.4
 GLASS_SIZE = (0.19, 0.13)
 VERTICES = 7
-EYE = (1.26, 1.17, 0.0)
-MIRROR = (0.70, 1.01, -0.48)
+EYE = (1.26, 1.15, 0.0)
+MIRROR = (0.70, 1.055, -0.48)
+LOOK = (0.71, 1.062, -0.48)
 REARWARD = (-0.14, -0.03, 1.0)
 OWN_CAR = (1.72, 0.0, 0.35)
 PAINT = (0.36, 0.018, 0.02)
-PLASTIC = (0.022, 0.023, 0.025)
+PLASTIC = (0.045, 0.046, 0.05)
 
 
 def car_mirror() -> Scene:
@@ -36,13 +38,14 @@ def car_mirror() -> Scene:
         door_top().mesh("own-car/door-top", matt),
         housing(sphere).mesh("housing", matt),
         foot(sphere).mesh("housing/foot", matt),
+        car_shade(x, z).mesh("own-car/shade", Diffuse(color=(1, 1, 1), texture=wear.road())),
     ]
     toward = np.array([0.42, 0.72, -0.55])
     sun = DirectionalLight(toward=tuple(toward / np.linalg.norm(toward)), color=(0.92, 0.87, 0.76))
     return Scene(
         name="car-mirror",
         meshes=(glass(sphere), *own, *ground(), *houses(), *trees(), *lamps(), *cars()),
-        camera=Camera(position=EYE, target=MIRROR, field_of_view=13.6),
+        camera=Camera(position=EYE, target=LOOK, field_of_view=13.6),
         lights=(sun, AmbientLight(sky=(0.46, 0.50, 0.58), ground=(0.26, 0.25, 0.23))),
         sky=Sky(zenith=(0.16, 0.36, 0.78), horizon=(0.72, 0.83, 0.94), nadir=(0.30, 0.31, 0.28)),
     )
@@ -51,7 +54,7 @@ def car_mirror() -> Scene:
 def mirror_sphere() -> Sphere:
     """The glass's sphere: its outward axis bisects the directions to the eye and to the road behind."""
     to_eye = np.subtract(EYE, MIRROR)
-    outward = to_eye / np.linalg.norm(to_eye) + REARWARD / np.linalg.norm(REARWARD)
+    outward = to_eye / np.linalg.norm(to_eye) + np.asarray(REARWARD) / np.linalg.norm(REARWARD)
     outward /= np.linalg.norm(outward)
     right = np.cross((0.0, 1.0, 0.0), outward)
     right /= np.linalg.norm(right)
@@ -115,7 +118,7 @@ def housing(sphere: Sphere) -> Shape:
 def foot(sphere: Sphere) -> Shape:
     """The arm from the housing to the door."""
     angle = np.linspace(0, 2 * np.pi, 14, endpoint=False)
-    start = np.asarray(MIRROR) + (0.03, -0.045, -0.055)
+    start = np.add(MIRROR, (0.03, -0.045, -0.055))
     end = np.array([OWN_CAR[0] - HALF_WIDTH + 0.02, 0.90, MIRROR[2] - 0.09])
     rings = []
     for share, size in ((0.0, 0.030), (0.5, 0.026), (1.0, 0.042)):
@@ -126,5 +129,8 @@ def foot(sphere: Sphere) -> Shape:
 
 def door_top() -> Shape:
     """The rubber strip along the lower edge of the driver's window."""
-    side = OWN_CAR[0] - HALF_WIDTH
-    return box((side + 0.02, 0.86, -0.75), (side + 0.10, 0.945, 1.1)).painted(PLASTIC)
+    first, last = CABIN[0], PILLAR
+    along = STATIONS[first : last + 1]
+    corners = np.array([[0.055, -0.02], [0.105, -0.02], [0.105, 0.018], [0.055, 0.018]])
+    rings = [[(inset - wide, waist + up, z) for inset, up in corners] for z, wide, _, waist, _, _ in along]
+    return loft(np.array(rings)).painted(PLASTIC).moved(*OWN_CAR)

@@ -32,7 +32,7 @@ class Shape:
     faces: np.ndarray
 
     def moved(self, x: float, y: float, z: float) -> Shape:
-        return replace(self, positions=self.positions + (x, y, z))
+        return replace(self, positions=np.add(self.positions, (x, y, z)))
 
     def turned(self, degrees: float, axis: int = 1) -> Shape:
         """Turned right-handedly about the x, y or z axis (0, 1, 2)."""
@@ -44,6 +44,10 @@ class Shape:
 
     def painted(self, color: Color) -> Shape:
         return replace(self, colors=self.colors * color)
+
+    def shaded(self, light: np.ndarray) -> Shape:
+        """Darkened vertex by vertex: `light` (V,) is the share of light that is left."""
+        return replace(self, colors=self.colors * light[:, None])
 
     def mesh(self, name: str, material: Material) -> Mesh:
         textured = isinstance(material, Diffuse) and material.texture is not None
@@ -79,7 +83,7 @@ def creased(
 ) -> Shape:
     """Triangles with normals that are smooth across edges bent by less than `crease` degrees.
 
-    `texcoords` (V, 2) and `colors` (V, 3) go with the vertices; `colors` (F, 3, 3) go with the faces' corners.
+    `texcoords` (V, 2) and `colors` (V, 3) go with the vertices, or (F, 3, 2) and (F, 3, 3) with the faces' corners.
     Triangles without area are left out.
     """
     positions = np.asarray(positions, float)
@@ -100,8 +104,8 @@ def creased(
 
     texcoords = np.zeros((len(positions), 2)) if texcoords is None else np.asarray(texcoords, float)
     colors = np.ones((len(positions), 3)) if colors is None else np.asarray(colors, float)
-    corner_colors = colors[kept].reshape(-1, 3) if colors.ndim == 3 else colors[faces].reshape(-1, 3)
-    table = np.hstack([corners, normals, texcoords[faces].reshape(-1, 2), corner_colors])
+    extras = [table[kept] if table.ndim == 3 else table[faces] for table in (texcoords, colors)]
+    table = np.hstack([corners, normals, *(extra.reshape(len(corners), -1) for extra in extras)])
     _, chosen, index = np.unique(np.round(table, 7), axis=0, return_index=True, return_inverse=True)
     rows = table[chosen]
     return Shape(rows[:, :3], rows[:, 3:6], rows[:, 6:8], rows[:, 8:], index.reshape(-1, 3))
@@ -188,18 +192,15 @@ def extrusion(outline: Sequence[tuple[float, float]], depth: float) -> Shape:
 
 
 def globe(rows: int, columns: int) -> tuple[np.ndarray, np.ndarray]:
-    """Angles (V, 2), longitude and latitude in radians, and faces (F, 3) of a whole sphere with single poles."""
-    latitude = np.linspace(-np.pi / 2, np.pi / 2, rows + 1)[1:-1]
-    longitude = np.linspace(-np.pi, np.pi, columns, endpoint=False)
+    """Angles (V, 2), longitude and latitude in radians, and faces (F, 3) of a whole sphere.
+
+    The seam behind and the poles have several vertices in one place, so that angles are continuous in every triangle.
+    """
+    latitude, longitude = np.linspace(-np.pi / 2, np.pi / 2, rows + 1), np.linspace(-np.pi, np.pi, columns + 1)
     v, u = np.meshgrid(latitude, longitude, indexing="ij")
-    angles = np.concatenate([[[0, -np.pi / 2]], np.stack([u.ravel(), v.ravel()], axis=-1), [[0, np.pi / 2]]])
-    ring = 1 + np.arange(columns)
-    after = 1 + (np.arange(columns) + 1) % columns
-    top = (rows - 2) * columns
-    last = np.full(columns, len(angles) - 1)
-    south = np.stack([after, ring, np.zeros(columns, int)], axis=-1)
-    north = np.stack([ring + top, after + top, last], axis=-1)
-    return angles, np.concatenate([south, lattice(rows - 1, columns, closed=True) + 1, north])
+    faces = lattice(rows + 1, columns + 1).reshape(rows, columns, 2, 3)
+    south, middle, north = faces[0, :, 1], faces[1:-1].reshape(-1, 3), faces[-1, :, 0]
+    return np.stack([u.ravel(), v.ravel()], axis=-1), np.concatenate([south, middle, north])
 
 
 def icosphere(subdivisions: int) -> tuple[np.ndarray, np.ndarray]:

@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 import numpy as np
 
 from anamorph.scene.builtin import town_textures as wear
 from anamorph.scene.builtin.car import number_plates, saloon
-from anamorph.scene.builtin.shapes import Shape, box, creased, cylinder, grid, icosphere, join, lathe
+from anamorph.scene.builtin.shapes import Shape, box, creased, cylinder, grid, icosphere, join, lathe, lattice
 from anamorph.scene.builtin.textures import leaves
 from anamorph.scene.model import Color, Diffuse, Mesh
 
@@ -18,8 +16,12 @@ PAVEMENT_HEIGHT = 0.12
 SHOP_HEIGHT = 3.2
 STOREY = 3.2
 MODULE = 6.0
+# How a ground's texture lies in the world: u = (x + offset) / width, v = z / length.
+Tile = tuple[float, float, float]
+ROAD_TILE: Tile = (KERB, wear.ROAD_WIDTH, wear.ROAD_TILE)
+SLAB_TILE: Tile = (0.0, 2.0, 2.0)
 STREET = (-72.0, 156.0)
-ROAD_END = (-144.0, 408.0)
+ROAD_END = (-144.0, 384.0)
 CROSSINGS = (-13.0, 23.0)
 
 # x, z, degrees turned from driving toward -z, paint
@@ -27,13 +29,12 @@ CARS: tuple[tuple[float, float, float, Color], ...] = (
     (1.45, 16.5, 0.0, (0.62, 0.63, 0.65)),
     (1.9, 37.0, 0.0, (0.04, 0.10, 0.34)),
     (-1.75, 34.0, 180.0, (0.55, 0.40, 0.05)),
-    (-4.5, 15.0, 180.0, (0.05, 0.22, 0.13)),
-    (-4.5, 45.0, 178.0, (0.70, 0.69, 0.66)),
-    (-4.5, -8.6, 180.0, (0.42, 0.05, 0.04)),
-    (4.5, 27.0 + 6.0, 1.0, (0.30, 0.32, 0.35)),
+    (-4.35, 15.0, 180.0, (0.05, 0.22, 0.13)),
+    (-4.35, 45.0, 178.0, (0.70, 0.69, 0.66)),
+    (-4.35, -7.6, 180.0, (0.05, 0.16, 0.42)),
 )
 TREES = ((-6.2, 20.0), (-6.3, 38.0), (-6.2, 56.0), (-6.2, -11.5), (6.3, 12.0), (6.2, 30.0), (6.2, 48.0), (-6.2, 92.0))
-LAMPS = ((-5.9, 29.0), (5.9, 20.0), (-5.9, 65.0), (5.9, 56.0), (-5.9, -3.0), (5.9, -15.0))
+LAMPS = ((-5.9, 29.0), (5.9, 20.0), (-5.9, 65.0), (5.9, 56.0), (-5.9, -3.0))
 
 
 def town() -> list[Mesh]:
@@ -48,26 +49,20 @@ def road_piece(start: float, end: float) -> Shape:
     return grid((-KERB, 0, end), (wear.ROAD_WIDTH, 0, 0), (0, 0, start - end), (2, rows), image)
 
 
-def shadow(x: float, z: float, half_width: float, half_length: float, surface: Callable[[np.ndarray], Shape]) -> Shape:
-    """A soft dark patch just above a ground, of the ground's own texture, so that its border does not show."""
-    patch = surface(np.array([x - half_width, z - half_length, x + half_width, z + half_length]))
-    across = np.clip(1 - ((patch.positions[:, 0] - x) / half_width) ** 2, 0, 1)
-    along = np.clip(1 - ((patch.positions[:, 2] - z) / half_length) ** 2, 0, 1)
-    dark = 1 - 0.72 * np.sqrt(across * along)
-    return Shape(patch.positions, patch.normals, patch.texcoords, dark[:, None] * np.ones(3), patch.faces)
-
-
-def road_patch(bounds: np.ndarray) -> Shape:
-    left, near, right, far = bounds
-    u, v = (np.array([left, right]) + KERB) / wear.ROAD_WIDTH, np.array([near, far]) / wear.ROAD_TILE
-    return grid((left, 0.008, far), (right - left, 0, 0), (0, 0, near - far), (4, 6), (u[0], v[0], u[1], v[1]))
-
-
-def pavement_patch(bounds: np.ndarray) -> Shape:
-    left, near, right, far = bounds
-    image = (left / 2, near / 2, right / 2, far / 2)
-    corner = (left, PAVEMENT_HEIGHT + 0.008, far)
-    return grid(corner, (right - left, 0, 0), (0, 0, near - far), (4, 4), image)
+def shade(middle: tuple[float, float, float], half_width: float, half_length: float, tile: Tile) -> Shape:
+    """A dark patch with soft borders, a little above a ground and of its texture: the sunless place below a thing."""
+    across, along = (np.array([-h - 0.25, -h + 0.15, h - 0.15, h + 0.25]) for h in (half_width, half_length))
+    x, z = np.meshgrid(across, along[::-1])
+    inside = (np.abs(x) < half_width) & (np.abs(z) < half_length)
+    positions = np.stack([x.ravel(), np.zeros(16), z.ravel()], axis=-1) + middle
+    offset, wide, long = tile
+    return Shape(
+        positions=positions,
+        normals=np.tile((0.0, 1.0, 0.0), (16, 1)),
+        texcoords=np.stack([(positions[:, 0] + offset) / wide, positions[:, 2] / long], axis=-1),
+        colors=np.where(inside.reshape(-1, 1), 0.16, 1.0) * np.ones(3),
+        faces=lattice(4, 4),
+    )
 
 
 def ground() -> list[Mesh]:
@@ -97,7 +92,7 @@ def ground() -> list[Mesh]:
         low, high = sorted((side * KERB, side * (KERB + 0.1)))
         kerb = box((low, -0.02, start), (high, PAVEMENT_HEIGHT, end), "-x+z-z" if side > 0 else "+x+z-z")
         meshes.append(kerb.mesh(f"kerb-{name}", Diffuse(color=(0.42, 0.41, 0.39))))
-    meadow = grid((-700, -0.06, 700), (1400, 0, 0), (0, 0, -1400), (4, 4), (0, 0, 175, 175))
+    meadow = grid((-440, -0.06, 440), (880, 0, 0), (0, 0, -880), (4, 4), (0, 0, 110, 110))
     meshes.append(meadow.mesh("meadow", Diffuse(texture=wear.meadow(), color=(1, 1, 1))))
     return [*meshes, hills()]
 
@@ -106,9 +101,9 @@ def hills() -> Mesh:
     """Distant hills all around the town."""
     count = 36
     angle = np.arange(count) * 2 * np.pi / count
-    height = 24 + 9 * np.sin(3 * angle + 1) + 6 * np.sin(7 * angle) + 3 * np.sin(11 * angle + 2)
+    height = 17 + 7 * np.sin(3 * angle + 1) + 4 * np.sin(7 * angle) + 2 * np.sin(11 * angle + 2)
     around = np.stack([np.cos(angle), np.zeros(count), -np.sin(angle)], axis=-1)
-    rings = np.stack([640 * around + np.outer(height, (0, 1, 0)), 600 * around + (0, -1, 0)])
+    rings = np.stack([420 * around + np.outer(height, (0, 1, 0)), 395 * around + (0, -1, 0)])
     faces = creased(rings.reshape(-1, 3), _ring_faces(count), 60.0)
     return faces.painted((0.22, 0.30, 0.26)).mesh("hills", Diffuse(color=(1, 1, 1)))
 
@@ -162,8 +157,8 @@ def walls(modules: int, storeys: int) -> Shape:
     width, depth, foot = modules * MODULE, 10.0, PAVEMENT_HEIGHT + SHOP_HEIGHT
     top = foot + storeys * STOREY
     front = grid((0, foot, 0), (width, 0, 0), (0, top - foot, 0), (modules, storeys), (0, 0, modules, storeys / 2))
-    shade = np.where(front.positions[:, 1] < foot + 0.1, 0.78, 1.0) * np.where(front.positions[:, 1] > top - 0.1, 0.8, 1)
-    parts = [Shape(front.positions, front.normals, front.texcoords, shade[:, None] * np.ones(3), front.faces)]
+    height = front.positions[:, 1]
+    parts = [front.shaded(np.where((height < foot + 0.1) | (height > top - 0.1), 0.78, 1.0))]
     plain, trim = (0.44, 0.3, 0.56, 0.7), (0.44, 0.465, 0.56, 0.480)
     parts.append(grid((width, 0, 0), (0, 0, -depth), (0, top, 0), image=plain))
     parts.append(grid((0, 0, -depth), (0, 0, depth), (0, top, 0), image=plain))
@@ -171,7 +166,7 @@ def walls(modules: int, storeys: int) -> Shape:
     ridge = np.array([[0, top, 0], [0, top + 3.0, -depth / 2], [0, top, -depth]], float)
     corner = np.array([[0.44, 0.7], [0.5, 0.3], [0.56, 0.7]])
     parts.append(creased(ridge, np.array([[0, 1, 2]]), texcoords=corner))
-    parts.append(creased(ridge + (width, 0, 0), np.array([[0, 2, 1]]), texcoords=corner))
+    parts.append(creased(np.add(ridge, (width, 0, 0)), np.array([[0, 2, 1]]), texcoords=corner))
     parts.append(box((0, foot - 0.12, 0), (width, foot + 0.14, 0.16), "+x-x+y-y+z", trim))
     parts.append(box((0, top - 0.25, 0), (width, top + 0.1, 0.38), "+x-x+y-y+z", trim))
     return join(parts)
@@ -186,7 +181,7 @@ def shop_row(modules: int, first: int) -> Shape:
         image = (left, top, left + 0.5, top + 0.25)
         front = grid((i * MODULE, PAVEMENT_HEIGHT, 0), (MODULE, 0, 0), (0, SHOP_HEIGHT, 0), (1, 4), image)
         low = front.positions[:, 1] < PAVEMENT_HEIGHT + 0.1
-        parts.append(Shape(front.positions, front.normals, front.texcoords, np.where(low, 0.6, 1.0)[:, None] * np.ones(3), front.faces))
+        parts.append(front.shaded(np.where(low, 0.6, 1.0)))
     return join(parts)
 
 
@@ -208,8 +203,8 @@ def sign(cell: int) -> Shape:
     image = (left, top, left + 0.5, top + 0.25)
     edge = (left + 0.004, top + 0.004, left + 0.008, top + 0.008)
     low, high = (-0.05, 3.75, 0.25), (0.05, 4.65, 2.05)
-    arm = box((-0.02, 4.15, 0.0), (0.02, 4.19, 0.25), "+x-x+y-y", edge)
-    return join([box(low, high, "+x-x", image), box(low, high, "+y-y+z-z", edge), arm])
+    arm = box((-0.02, 4.15, 0.0), (0.02, 4.19, 0.25), "+x-x", edge)
+    return join([box(low, high, "+x-x", image), box(low, high, "+y-y+z", edge), arm])
 
 
 def trees() -> list[Mesh]:
@@ -228,13 +223,22 @@ def trees() -> list[Mesh]:
             bumps = 1 + 0.16 * np.sin(points @ generator.normal(size=(3, 3)) * 3).sum(axis=1, keepdims=True) / 1.5
             ball = points * bumps * radius * (1, 0.9, 1) + np.asarray(middle) * (1, tall, 1)
             light = np.clip(0.62 + 0.30 * points[:, 1] + 0.12 * (ball[:, 1] - 3.6), 0.32, 1.0)
-            texcoords = np.stack([ball[:, 0] + 0.6 * ball[:, 2], ball[:, 1] + 0.4 * ball[:, 2]], axis=-1) / 1.8
-            balls.append(creased(ball, faces, 70.0, texcoords, light[:, None] * np.ones(3)))
+            balls.append(creased(ball, faces, 70.0, leafage(ball[faces]), light[:, None] * np.ones(3)))
         meshes.append(trunk.moved(x, PAVEMENT_HEIGHT, z).mesh(f"tree-{number}/trunk", Diffuse(color=(1, 1, 1))))
         crown = join(balls).turned(generator.uniform(0, 360)).moved(x, PAVEMENT_HEIGHT, z)
         meshes.append(crown.mesh(f"tree-{number}/crown", foliage))
-        shades.append(shadow(x + np.sign(x) * 0.4, z, 1.0, 1.0, pavement_patch))
+        shades.append(shade((x, PAVEMENT_HEIGHT + 0.008, z), 0.7, 0.7, SLAB_TILE))
     return [*meshes, join(shades).mesh("tree-shade", slabs)]
+
+
+def leafage(corners: np.ndarray) -> np.ndarray:
+    """Texture coordinates (F, 3, 2) in the plane of each triangle (F, 3, 3): foliage shows no seams."""
+    normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    right = np.cross((0.0, 1.0, 0.0), normal)
+    right /= np.linalg.norm(right, axis=1, keepdims=True)
+    down = np.cross(right, normal)
+    down /= np.linalg.norm(down, axis=1, keepdims=True)
+    return np.einsum("fck,fak->fca", corners, np.stack([right, down], axis=1)) / 1.5
 
 
 def lamps() -> list[Mesh]:
@@ -251,6 +255,11 @@ def lamps() -> list[Mesh]:
     return meshes
 
 
+def car_shade(x: float, z: float) -> Shape:
+    """The shade below a car on the road; near the kerb it ends there."""
+    return shade((x, 0.008, z), min(0.88, KERB - 0.26 - abs(x)), 2.15, ROAD_TILE)
+
+
 def cars() -> list[Mesh]:
     """Parked and driving cars, each with its number plates, and the shade below them all."""
     plates = Diffuse(texture=wear.plates(), color=(1, 1, 1))
@@ -260,5 +269,5 @@ def cars() -> list[Mesh]:
         meshes.append(saloon(paint).turned(turn).moved(x, 0, z).mesh(f"car-{number}", Diffuse(color=(1, 1, 1))))
         plate = number_plates(number % len(wear.PLATES)).turned(turn).moved(x, 0, z)
         meshes.append(plate.mesh(f"car-{number}/plates", plates))
-        shades.append(shadow(x, z, 1.15 if abs(x) < 4 else 0.99, 2.5, road_patch))
+        shades.append(car_shade(x, z))
     return [*meshes, join(shades).mesh("car-shade", Diffuse(texture=wear.road(), color=(1, 1, 1)))]

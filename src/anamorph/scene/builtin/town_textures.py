@@ -17,7 +17,8 @@ ASPHALT: Rgb = (98, 99, 102)
 
 SHOPS = ("BAKERY", "BOOKS", "PHARMACY", "CAFE ROMA", "FLOWERS", "OPTICIAN", "GROCER", "CLOCKS")
 SHOP_COLORS: tuple[Rgb, ...] = (
-    (142, 46, 38), (30, 66, 110), (28, 104, 72), (92, 58, 34), (122, 44, 96), (24, 92, 108), (52, 104, 40), (52, 52, 60),
+    (142, 46, 38), (30, 66, 110), (28, 104, 72), (92, 58, 34),
+    (122, 44, 96), (24, 92, 108), (52, 104, 40), (52, 52, 60),
 )  # fmt: skip
 SIGNS = ("HOTEL", "BAR", "BANK", "TAXI", "POST", "ZOO 2", "CINEMA", "DENTIST")
 PLATES = ("AN 2007", "KT 4936", "GC 1049", "TN 8800")

@@ -220,7 +220,9 @@ def open_session(view: View, options: Options) -> Session:
     _choose("update", options.update, ("always", "once"))
     _choose("antialias", options.antialias, (1, 4))
     if not 0 <= options.face <= MAXIMUM_FACE:
-        raise AnamorphError(f"environment: face is {options.face}; give a number of texels from 1 to {MAXIMUM_FACE}, or 0")
+        raise AnamorphError(
+            f"environment: face is {options.face}; give a number of texels from 1 to {MAXIMUM_FACE}, or 0"
+        )
     stage = Stage(view)
     if options.mode == "planar":
         _check_flat(view)

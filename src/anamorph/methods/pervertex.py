@@ -22,6 +22,7 @@ from anamorph.gpu.buffers import storage_buffer
 from anamorph.gpu.device import get_device, maximum_size
 from anamorph.gpu.drawing import make_pipeline, shader_module
 from anamorph.gpu.maps import Map, make_map, map_sampler
+from anamorph.gpu.overlay import Overlay
 from anamorph.gpu.reflectors import REFLECTOR_BUFFERS, draw_reflector
 from anamorph.gpu.targets import COLOR_FORMAT, SEEN_FORMATS
 from anamorph.methods.protocol import Method, Session
@@ -40,6 +41,9 @@ FARTHEST = 1e4
 """How far away the sky is, in diagonals of the scene."""
 
 MAXIMUM_MAP = 4096
+
+BALL_PIXELS = 18.0
+"""Radius of the overlay's balls where nothing magnifies or reduces them."""
 
 
 @dataclass(frozen=True)
@@ -80,13 +84,16 @@ class MapPlan:
     texels : (width, height) float
         The map's size at one texel for each pixel that it fills.
     hits : (V, 3) float64
-        Where the vertex rays meet the scene or the distant sky (step 3.1).
+        Where the vertex rays meet the scene (step 3.1).
+    distances : (V,) float64
+        How far that is from the vertex; infinite for the sky.
     """
 
     projection: Projection
     lookups: np.ndarray
     texels: tuple[float, float]
     hits: np.ndarray
+    distances: np.ndarray
 
 
 def plan_map(
@@ -110,7 +117,9 @@ def plan_map(
     directions = rays.unit_directions()
     frame = _map_frame(rays.origins[facing], directions[facing])
     near_plane = _near_plane(mirror, facing)
-    hits = _hit_points(rays.origins, directions, near_plane, caster, FARTHEST * float(np.linalg.norm(np.ptp(corners, axis=0))))
+    distances = _hit_distances(rays.origins, directions, near_plane, caster)
+    sky = FARTHEST * float(np.linalg.norm(np.ptp(corners, axis=0)))
+    hits = rays.origins + np.minimum(distances, sky)[:, None] * directions
 
     # Step 3.2 and 3.3: where the lines from the viewpoint to the hits cross the projection plane.
     projected = frame.project(hits)
@@ -137,6 +146,7 @@ def plan_map(
         lookups=lookups,
         texels=_texels(rays, texcoords, valid & facing, np.ptp(bounds, axis=0)),
         hits=hits,
+        distances=distances,
     )
 
 
@@ -166,17 +176,13 @@ def _near_plane(mirror: Reflector, facing: np.ndarray) -> np.ndarray:
     return np.append(normal, -(heights.max() + clearance))
 
 
-def _hit_points(
-    origins: np.ndarray, directions: np.ndarray, near_plane: np.ndarray, caster: Caster, sky: float
-) -> np.ndarray:
-    """Step 3.1: where each ray first meets the scene beyond the near plane; `sky` metres away if nowhere."""
+def _hit_distances(origins: np.ndarray, directions: np.ndarray, near_plane: np.ndarray, caster: Caster) -> np.ndarray:
+    """Step 3.1: how far each ray goes to the scene beyond the near plane; infinite where it sees the sky."""
     rise = directions @ near_plane[:3]
     behind = -(origins @ near_plane[:3] + near_plane[3])
     # A ray along the plane never crosses it: start it at the mirror.
     start = np.where(rise > 1e-3, behind / np.maximum(rise, 1e-3), 0.0)
-    hits = caster.cast(origins, directions, np.maximum(start, caster.near))
-    distance = np.where(hits.triangle >= 0, hits.distance, sky)
-    return origins + distance[:, None] * directions
+    return caster.cast(origins, directions, np.maximum(start, caster.near)).distance
 
 
 def _bounds(places: np.ndarray) -> np.ndarray:
@@ -206,6 +212,13 @@ def _areas(corners: np.ndarray) -> np.ndarray:
     return np.abs(a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]) / 2.0
 
 
+def _ball_radii(plan: MapPlan, rays: RayMesh, camera: Camera, size: tuple[int, int]) -> np.ndarray:
+    """Radii that make each hit's ball a few pixels large on the way to the eye; 0 in the sky."""
+    pixel = 2.0 * np.tan(np.radians(camera.field_of_view) / 2.0) / size[1]
+    way = np.linalg.norm(rays.origins - camera.position, axis=1) + plan.distances
+    return np.where(np.isfinite(way), BALL_PIXELS * pixel * way, 0.0)
+
+
 class _WarpedReflector:
     """One mirror: its map on the device, and the lookups of its vertices."""
 
@@ -216,6 +229,7 @@ class _WarpedReflector:
         self.lookups = storage_buffer(np.zeros((len(mesh.positions), 4), np.float32), wgpu.BufferUsage.VERTEX)
         self.map: Map | None = None
         self.plan: MapPlan | None = None
+        self.overlay = Overlay(self.mirror.positions, self.mirror.faces, options.antialias) if options.overlay else None
         self._options, self._layout = options, layout
 
     def update(self, plan: MapPlan) -> Map:
@@ -274,8 +288,12 @@ class PerVertexDrawing:
             rays = reflected_rays(item.mirror, camera, self._stage.view.size)
             plan = plan_map(item.mirror, rays, self._caster, self._corners, self._options.projective)
             item.plan = None
-            if plan is not None:
-                item.update(plan).draw_color(encoder, self._stage.buffers, (item.index,))
+            if plan is None:
+                continue
+            if item.overlay is not None:
+                item.overlay.place(plan.hits, _ball_radii(plan, rays, camera, self._stage.view.size))
+            balls = item.overlay and item.overlay.draw_balls
+            item.update(plan).draw_color(encoder, self._stage.buffers, (item.index,), balls)
 
     def prepare_seen(self, encoder: wgpu.GPUCommandEncoder) -> None:
         """Draw what the maps see, for the seen buffers."""
@@ -286,6 +304,10 @@ class PerVertexDrawing:
     def draw_color(self, render_pass: wgpu.GPURenderPassEncoder) -> None:
         """Step 4: the mirrors, with their maps."""
         self._draw(render_pass, self._color)
+        for item in self._reflectors:
+            if item.plan is not None and item.overlay is not None:
+                item.overlay.draw_balls(render_pass)
+                item.overlay.draw_wires(render_pass)
 
     def draw_seen(self, render_pass: wgpu.GPURenderPassEncoder) -> None:
         """The mirrors' seen buffers."""

@@ -144,7 +144,6 @@ def test_parts_can_be_removed_and_get_names_of_their_own(folder: Path) -> None:
 )
 def test_a_mistake_is_named_with_its_line_and_key(folder: Path, text: str, line: int, words: list[str]) -> None:
     if "[[model]]" not in text and "[model]" not in text and "builtin" not in text:
-        at = text.index("[[part]]") if "[[part]]" in text else len(text)
         text += "[[model]]\nfile = 'cabinet.obj'\n"
     message = complaint(write(folder, text))
     assert f", line {line}: " in message, message
@@ -154,7 +153,7 @@ def test_a_mistake_is_named_with_its_line_and_key(folder: Path, text: str, line:
 @pytest.mark.parametrize(
     ("text", "words"),
     [
-        ("size = [800, 600\n", ["is not TOML", "line 1"]),
+        ("size = [800, 600\n" + EYE, ["is not TOML", "line 2"]),
         ("", ["nothing to show", "[[model]]"]),
         ("[[model]]\nfile = 'cabinet.obj'\n", ["[eye]"]),
         (EYE.replace("0.3, 0.2, 5", "0, 0, 0") + "[[model]]\nfile = 'cabinet.obj'\n", ["same point"]),
@@ -191,7 +190,8 @@ def test_a_sky_image_is_read(folder: Path) -> None:
 
 
 def test_lines_are_found_through_strings_arrays_and_nested_tables() -> None:
-    text = 'a = """\nb = 1\n[c]\n"""\n"d e".f = [\n  1, # ]\n  2,\n]\n[[g]]\n[g.h]\ni = "[["\n[[g]]\nj = {k = 1}\n[[g.l]]\nm = 1\n'
+    text = 'a = """\nb = 1\n[c]\n"""\n"d e".f = [\n  1, # ]\n  2,\n]\n'
+    text += '[[g]]\n[g.h]\ni = "[["\n[[g]]\nj = {k = 1}\n[[g.l]]\nm = 1\n'
     assert key_lines(text) == {
         ("a",): 1,
         ("d e", "f"): 5,

@@ -43,8 +43,8 @@ FARTHEST = 1e4
 
 MAXIMUM_MAP = 4096
 
-MAXIMUM_SKIPS = 8
-"""How many surfaces of the object that hides a vertex its ray may pass through."""
+MAXIMUM_LAYERS = 8
+"""How many surfaces of a mirror's rim a ray may pass through."""
 
 BALL_PIXELS = 18.0
 """Radius of the overlay's balls where nothing magnifies or reduces them."""
@@ -145,8 +145,8 @@ def plan_map(
         return None
     directions = rays.unit_directions()
     frame = _map_frame(rays.origins[facing], directions[facing])
-    near_plane = _near_plane(mirror, facing)
-    distances = _hit_distances(rays.origins, directions, near_plane, eye, world)
+    near_plane = _near_plane(mirror, rays.origins[facing], directions[facing], mirror.normals[facing], eye, world)
+    distances = _hit_distances(rays.origins, directions, near_plane, world.caster)
     sky = FARTHEST * float(np.linalg.norm(np.ptp(world.corners, axis=0)))
     hits = rays.origins + np.minimum(distances, sky)[:, None] * directions
 
@@ -196,40 +196,43 @@ def _map_frame(origins: np.ndarray, directions: np.ndarray) -> MapFrame:
     return map_frame(viewpoint, middle + radius * forward, axes)
 
 
-def _near_plane(mirror: Reflector, facing: np.ndarray) -> np.ndarray:
-    """The plane along the mirror just before its foremost vertex, (4,)."""
-    normal = mirror.normals[facing].mean(axis=0)
-    normal /= np.linalg.norm(normal)
-    heights = mirror.positions[facing] @ normal
-    clearance = 1e-4 * float(np.linalg.norm(np.ptp(mirror.positions, axis=0)))
-    return np.append(normal, -(heights.max() + clearance))
-
-
-def _hit_distances(
-    origins: np.ndarray, directions: np.ndarray, near_plane: np.ndarray, eye: np.ndarray, world: World
+def _near_plane(
+    mirror: Reflector, origins: np.ndarray, directions: np.ndarray, normals: np.ndarray, eye: np.ndarray, world: World
 ) -> np.ndarray:
-    """Step 3.1: how far each ray goes to the scene beyond the near plane; infinite where it sees the sky.
+    """The plane along the mirror just before its foremost vertex, and before what frames it, (4,).
 
-    What hides a vertex from the eye, as a rim hides the mirror's border, must not hide the scene from the vertex: no one
-    sees that hit, but all that is interpolated towards it would be wrong.
+    A rim over the mirror's border hides vertices from the eye. It must not hide the scene from them as well: no one
+    sees where their rays meet the rim, but all that is interpolated towards it would be wrong.
     """
+    normal = normals.mean(axis=0)
+    normal /= np.linalg.norm(normal)
+    diagonal = float(np.linalg.norm(np.ptp(mirror.positions, axis=0)))
+    top = float((origins @ normal).max())
+
     caster = world.caster
     sight = caster.cast(np.broadcast_to(eye, origins.shape), origins - eye)
     hidden = (sight.triangle >= 0) & (sight.distance < 1.0 - 1e-4)
-    hider = np.where(hidden, world.face_object[sight.triangle], 0)
+    hider = world.face_object[sight.triangle]
+    start = np.full(len(origins), caster.near)
+    for _ in range(MAXIMUM_LAYERS):
+        hits = caster.cast(origins, directions, start)
+        framed = hidden & (hits.distance < diagonal) & (world.face_object[hits.triangle] == hider)
+        if not framed.any():
+            break
+        start = np.where(framed, hits.distance + caster.near, start)
+        top = max(top, float(((origins + start[:, None] * directions) @ normal)[framed].max()))
+    return np.append(normal, -(top + 1e-4 * diagonal))
 
+
+def _hit_distances(
+    origins: np.ndarray, directions: np.ndarray, near_plane: np.ndarray, caster: Caster
+) -> np.ndarray:
+    """Step 3.1: how far each ray goes to the scene beyond the near plane; infinite where it sees the sky."""
     rise = directions @ near_plane[:3]
     behind = -(origins @ near_plane[:3] + near_plane[3])
     # A ray along the plane never crosses it: start it at the mirror.
-    start = np.maximum(np.where(rise > 1e-3, behind / np.maximum(rise, 1e-3), 0.0), caster.near)
-    hits = caster.cast(origins, directions, start)
-    for _ in range(MAXIMUM_SKIPS):
-        skipped = hidden & (hits.triangle >= 0) & (world.face_object[hits.triangle] == hider)
-        if not skipped.any():
-            break
-        start = np.where(skipped, hits.distance + caster.near, start)
-        hits = caster.cast(origins, directions, start)
-    return hits.distance
+    start = np.where(rise > 1e-3, behind / np.maximum(rise, 1e-3), 0.0)
+    return caster.cast(origins, directions, np.maximum(start, caster.near)).distance
 
 
 def _bounds(places: np.ndarray) -> np.ndarray:

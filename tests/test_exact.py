@@ -94,7 +94,7 @@ def test_a_pole_is_not_ok_and_near_it_is():
     patch = BezierPatch(control)
     uv = np.array([[0.5, 0.0], [0.5, 1e-3]])
     origins, directions = rays_at(patch.position(uv), spread=0.0)
-    positions, normals, ok = intersect(patch, origins, directions, uv)
+    _, normals, ok = intersect(patch, origins, directions, uv)
     assert ok.tolist() == [False, True]
     assert np.allclose(normals[1], patch.normal(uv)[1], atol=1e-6)
     assert np.isfinite(normals).all()

@@ -11,9 +11,7 @@ from anamorph.optics.laws import fresnel, reflect, refract, schlick
 
 # Cosines from straight on to grazing within 1e-9, with the ends drawn on purpose.
 cosines = st.one_of(st.sampled_from([1.0, 1.0 - 1e-12, 1e-3, 1e-6, 1e-9]), st.floats(1e-9, 1.0))
-frames = arrays(float, (2, 3), elements=st.floats(-1, 1)).filter(
-    lambda rows: np.linalg.norm(np.cross(*rows)) > 1e-2
-)
+frames = arrays(float, (2, 3), elements=st.floats(-1, 1)).filter(lambda rows: np.linalg.norm(np.cross(*rows)) > 1e-2)
 etas = st.one_of(st.sampled_from([1.0, 1 / 1.5, 1.5, 1.0 + 1e-12]), st.floats(0.3, 3.0))
 
 
@@ -60,7 +58,10 @@ def test_refraction_runs_back_the_same_way(frame, cosine, eta):
     if total[0] or -direction[0] @ normal < 1e-4:
         return
     back, total = refract(-direction, -normal[None], 1 / eta)
-    assert not total[0]
+    if total[0]:
+        # The last digit decides whether a ray comes back out along the surface.
+        assert cosine < 1e-7
+        return
     # Back through, an error of the sine grows by 1 / cosine.
     assert np.allclose(back[0], -incident, atol=1e-14 / max(cosine, 1e-7))
 

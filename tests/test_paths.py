@@ -16,7 +16,7 @@ from anamorph.optics.reflection import reflected_ray_mesh
 from anamorph.raymesh import RayStatus
 from anamorph.rays import Caster
 from anamorph.scene.camera import Camera
-from anamorph.scene.geometry import flatten
+from anamorph.scene.geometry import Geometry, flatten
 from anamorph.scene.model import Glass, Mesh, Mirror, Scene
 from anamorph.scene.surfaces import BezierPatch, Plane, Sphere
 
@@ -71,7 +71,7 @@ class Traced:
     """Records taken apart."""
 
     records: np.ndarray
-    geometry: object
+    geometry: Geometry
 
     @property
     def origin(self):
@@ -150,8 +150,8 @@ def test_an_empty_sky():
     assert np.isinf(out.records[:, 11]).all() and not out.records[:, 12:].any()
 
 
-@pytest.mark.parametrize("exact", [True, False])
 @pytest.mark.parametrize("truth", ["surface", "raymesh"])
+@pytest.mark.parametrize("exact", [True, False])
 def test_flat_mirror_is_the_mirrored_camera(exact, truth):
     mirror = rectangle_at((0.2, 0.1, -2.0), (1.5, 0.1, 0.2), (-0.1, 1.2, 0.3), material=Mirror((0.5, 0.75, 1.0), 0.8))
     if not exact:
@@ -166,15 +166,12 @@ def test_flat_mirror_is_the_mirrored_camera(exact, truth):
     mirrored = eye - 2 * ((eye - mirror.positions[0]) @ normal) * normal
     incident = pixel_rays(camera)
     wanted = reflect(incident, np.tile(normal, (len(incident), 1)))
-    tolerance = ANGLE if truth == "surface" else 1e-2
-    # A ray mesh of two triangles is exact in direction only at its vertices: rays of unit length are interpolated.
-    if truth == "surface":
-        assert (angle(out.direction, wanted)[on] < tolerance).all()
-        assert (angle(out.origin - mirrored, wanted)[on] < tolerance).all()
-        assert (angle(out.seen - mirrored, wanted)[on] < tolerance).all()
-        share = schlick(0.8, -incident[on] @ normal)[:, None] * [0.5, 0.75, 1.0]
-        assert np.allclose(out.records[on, 8:11], share, rtol=1e-5)
+    assert (angle(out.direction, wanted)[on] < ANGLE).all()
+    assert (angle(out.origin - mirrored, wanted)[on] < ANGLE).all()
+    assert (angle(out.seen - mirrored, wanted)[on] < ANGLE).all()
     assert (np.abs((out.origin[on] - mirror.positions[0]) @ normal) < 1e-6).all()
+    share = schlick(0.8, -incident[on] @ normal)[:, None] * [0.5, 0.75, 1.0]
+    assert np.allclose(out.records[on, 8:11], share, rtol=1e-5)
 
 
 def alhazen(eye, points, center, radius):
@@ -183,6 +180,7 @@ def alhazen(eye, points, center, radius):
     first = np.broadcast_to(unit(to_eye), to_point.shape)
     second = unit(to_point - np.sum(to_point * first, axis=1, keepdims=True) * first)
     low, high = np.zeros(len(points)), angle(to_point, first)
+    place = center + radius * first
     for _ in range(80):
         middle = (low + high) / 2.0
         normal = np.cos(middle)[:, None] * first + np.sin(middle)[:, None] * second
@@ -199,7 +197,7 @@ def test_convex_sphere_is_alhazens(radius, distance):
     camera = Camera((0.3 * distance, 0.2, distance - 1.0), (0.1, -0.2, -1.0), field_of_view=25)
     out = trace([box(), mirror], camera)
     on = (out.specular == 2) & (out.end_object == 1)
-    assert on.sum() > 100 and (out.bounces[on] == 1).all()
+    assert on.sum() > 90 and (out.bounces[on] == 1).all()
     place = alhazen(np.array(camera.position), out.seen[on], center, radius)
     assert (angle(place - camera.position, pixel_rays(camera)[on]) < ANGLE).all()
     assert (angle(out.seen[on] - place, out.direction[on]) < ANGLE).all()
@@ -260,7 +258,8 @@ def test_facing_mirrors_bounce_as_often_as_unfolding_says():
     clear = np.abs(end / width - np.round(end / width)) < 0.499
     limited = walls > 5
     assert np.array_equal(out.bounces[clear], np.minimum(walls, 5)[clear])
-    assert (out.status[clear & limited] == Status.OUTSIDE).all() and np.isin(out.end_object[clear & limited], [2, 3]).all()
+    assert (out.status[clear & limited] == Status.OUTSIDE).all()
+    assert np.isin(out.end_object[clear & limited], [2, 3]).all()
     assert (out.status[clear & ~limited & (walls > 0)] == Status.TRACED).all()
     assert (clear & limited).any() and len(np.unique(walls[clear & ~limited])) >= 4
 
@@ -365,8 +364,10 @@ def test_ray_mesh_truth_interpolates_the_vertex_rays_across_the_picture():
 def test_ray_mesh_truth_is_surface_truth_at_a_vertex():
     mirror = patch(Sphere(np.array([0.0, 0, -2.4]), 1.4), (-0.4, -0.3), (0.4, 0.3), 2)
     camera = Camera((0.4, 0.2, 0.3), (0, 0, -1.0), field_of_view=5)
-    at_vertex = [trace([box(), mirror], camera, (65, 65), (32, 32, 33, 33), truth=truth) for truth in ("surface", "raymesh")]
-    assert angle(at_vertex[0].direction, at_vertex[1].direction)[0] < ANGLE
+    surface, mesh = (
+        trace([box(), mirror], camera, (65, 65), (32, 32, 33, 33), truth=truth) for truth in ("surface", "raymesh")
+    )
+    assert angle(surface.direction, mesh.direction)[0] < ANGLE
 
 
 def test_vertices_turned_away_are_said_to_be():
@@ -375,7 +376,9 @@ def test_vertices_turned_away_are_said_to_be():
     mesh = reflected_ray_mesh(camera, SIZE, mirror)
     away = np.sum((mirror.positions - camera.position) * mirror.normals, axis=1) >= 0
     assert np.array_equal(mesh.status == RayStatus.BACK_FACING, away) and 0 < away.sum() < len(away)
-    assert np.allclose(np.linalg.norm(mesh.directions, axis=1), 1.0)
+    # As long as the eye is far, with which interpolation is exact on a flat mirror.
+    distance = np.linalg.norm(mesh.origins - camera.position, axis=1)
+    assert np.allclose(np.linalg.norm(mesh.directions, axis=1), distance)
 
 
 def test_refraction_at_vertices_is_refused():
@@ -449,7 +452,9 @@ def test_rectangle_holds_every_pixel_that_looks_at_a_mirror():
     camera = Camera((0.4, 0.2, 0.3), (0, 0, -1.0))
     out = trace([box(), mirror], camera)
     rows, columns = np.nonzero(out.specular.reshape(SIZE[::-1]))
-    x0, y0, x1, y1 = specular_rectangle(Scene("test", (box(), mirror), camera), camera, SIZE)
+    rectangle = specular_rectangle(Scene("test", (box(), mirror), camera), camera, SIZE)
+    assert rectangle is not None
+    x0, y0, x1, y1 = rectangle
     assert x0 <= columns.min() <= x0 + 3 and x1 - 4 <= columns.max() < x1
     assert y0 <= rows.min() <= y0 + 3 and y1 - 4 <= rows.max() < y1
 

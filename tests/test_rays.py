@@ -31,7 +31,7 @@ def soup(count=60, scale=1.0, seed=0):
     return geometry_of(positions.reshape(-1, 3), np.arange(3 * count).reshape(-1, 3))
 
 
-def brute_force(geometry, origins, directions, near=0.0):
+def brute_force(geometry, origins, directions, near: float | np.ndarray = 0.0):
     """Moeller and Trumbore's test of every ray with every triangle, in float64."""
     a, b, c = np.moveaxis(geometry.positions.astype(float)[geometry.faces], 1, 0)
     edge_1, edge_2 = b - a, c - a

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import hashlib
 import os
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from functools import cache
+from pathlib import Path
 from typing import Any
 
 import numba
@@ -20,9 +22,19 @@ def compiled(function: Callable[..., Any]) -> Callable[..., Any]:
     """
     options = {"nogil": True, "error_model": "numpy", "_nrt": False}
     try:
-        return numba.njit(function, cache=True, **options)
-    except RuntimeError:
+        dispatcher: Any = numba.njit(function, cache=True, **options)
+        # Numba looks at the function's own file only, and would keep machine code that has old callees built in.
+        dispatcher._cache._cache_file._source_stamp = _stamp()
+    except (RuntimeError, AttributeError):
         return numba.njit(function, **options)
+    return dispatcher
+
+
+@cache
+def _stamp() -> str:
+    """A digest of every module with compiled functions."""
+    texts = (file.read_bytes() for file in sorted(Path(__file__).parent.rglob("*.py")))
+    return hashlib.sha256(b"".join(text for text in texts if b"@compiled" in text)).hexdigest()
 
 
 def cores() -> int:

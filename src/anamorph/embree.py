@@ -13,8 +13,10 @@ import importlib.util
 import weakref
 from functools import cache
 from pathlib import Path
+from typing import Any
 
 import numpy as np
+from llvmlite import ir
 from numba import types
 from numba.core import cgutils
 from numba.extending import intrinsic
@@ -128,9 +130,10 @@ class Tree:
         triangle: np.ndarray,
         barycentric: np.ndarray,
     ) -> None:
-        """Fill `distance` (N,), `triangle` (N,) and `barycentric` (N, 2) for rays (N, 3); one core, without the lock."""
-        arguments = self._arguments[coherent].ctypes.data
-        _cast(np.zeros((ROWS + 2) * PACKET + 16, np.float32), self._intersect, self._scene, arguments, origins, directions, near, distance, triangle, barycentric)
+        """Fill `distance` (N,), `triangle` (N,) and `barycentric` (N, 2) for rays (N, 3): one core, no lock held."""
+        store = np.zeros((ROWS + 2) * PACKET, np.float32)
+        call = (self._intersect, self._scene, self._arguments[coherent].ctypes.data)
+        _cast(store, *call, origins, directions, near, distance, triangle, barycentric)
 
 
 def _query_arguments(coherent: bool) -> np.ndarray:
@@ -140,13 +143,8 @@ def _query_arguments(coherent: bool) -> np.ndarray:
     return arguments
 
 
-@intrinsic
-def _call(typingctx, address, valid, scene, packet, arguments):  # noqa: ANN001, ANN202
-    """Call the C function at `address` with four pointers."""
-
-    def generate(context, builder, signature, values):  # noqa: ANN001, ANN202
-        from llvmlite import ir
-
+def _generate_call(typing: Any, address: Any, valid: Any, scene: Any, packet: Any, arguments: Any) -> Any:
+    def generate(context: Any, builder: Any, signature: Any, values: Any) -> Any:
         pointer = cgutils.voidptr_t
         function = builder.inttoptr(values[0], ir.FunctionType(ir.VoidType(), [pointer] * 4).as_pointer())
         builder.call(function, [builder.inttoptr(value, pointer) for value in values[1:]])
@@ -155,12 +153,27 @@ def _call(typingctx, address, valid, scene, packet, arguments):  # noqa: ANN001,
     return types.void(*[types.intp] * 5), generate
 
 
+_call: Any = intrinsic(_generate_call)
+"""Call the C function at an address with four pointers: _call(address, valid, scene, packet, arguments)."""
+
+
 @compiled
-def _cast(store, address, scene, arguments, origins, directions, near, distance, triangle, barycentric):  # noqa: ANN001, ANN202
+def _cast(
+    store: np.ndarray,
+    address: int,
+    scene: int,
+    arguments: int,
+    origins: np.ndarray,
+    directions: np.ndarray,
+    near: np.ndarray,
+    distance: np.ndarray,
+    triangle: np.ndarray,
+    barycentric: np.ndarray,
+) -> None:
     count = len(origins)
-    # Packets of 16 must lie at multiples of 64 bytes.
+    # Packets must lie at multiples of 64 bytes: one row of `store` may go lost before.
     skip = (-store.ctypes.data % 64) // 4
-    floats = store[skip : skip + (ROWS + 2) * PACKET].reshape((ROWS + 2, PACKET))
+    floats = store[skip : skip + (ROWS + 1) * PACKET].reshape((ROWS + 1, PACKET))
     words = floats.view(np.uint32)
     packet = floats.ctypes.data
     valid = packet + ROWS * PACKET * 4

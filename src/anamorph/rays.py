@@ -13,6 +13,7 @@ from functools import cache
 import numpy as np
 from embreex.mesh_construction import TriangleMesh
 from embreex.rtcore_scene import EmbreeScene
+from numpy.typing import ArrayLike
 
 from anamorph import embree
 from anamorph.compiled import over_all_cores
@@ -127,9 +128,9 @@ class Caster:
 
     def cast(
         self,
-        origins: np.ndarray,
-        directions: np.ndarray,
-        near: float | np.ndarray = 0.0,
+        origins: ArrayLike,
+        directions: ArrayLike,
+        near: ArrayLike = 0.0,
         coherent: bool = False,
     ) -> Hits:
         """Find what each ray hits first.

@@ -14,6 +14,7 @@ import numpy as np
 from anamorph.compiled import compiled
 from anamorph.frame import Status
 from anamorph.optics.exact import BEZIER, NONE, PLANE, along, cross, dot, meet, unit
+from anamorph.scene.camera import Vector
 
 DIFFUSE, MIRROR, GLASS = range(3)
 WORDS = 16
@@ -96,7 +97,17 @@ class Paths(NamedTuple):
 
 
 @compiled
-def start(paths, eye, axes, scale, size, corner, columns, first, count):  # noqa: ANN001, ANN201
+def start(
+    paths: Paths,
+    eye: np.ndarray,
+    axes: np.ndarray,
+    scale: float,
+    size: np.ndarray,
+    corner: np.ndarray,
+    columns: int,
+    first: int,
+    count: int,
+) -> None:
     """Put the rays of `count` pixels, from number `first` of a rectangle `columns` wide, on their way."""
     for i in range(count):
         row, column = divmod(first + i, columns)
@@ -116,12 +127,12 @@ def start(paths, eye, axes, scale, size, corner, columns, first, count):  # noqa
 
 
 @compiled
-def _corner(positions, vertex):  # noqa: ANN001, ANN202
+def _corner(positions: np.ndarray, vertex: int) -> Vector:
     return (np.float64(positions[vertex, 0]), np.float64(positions[vertex, 1]), np.float64(positions[vertex, 2]))
 
 
 @compiled
-def _blend(values, face, weights):  # noqa: ANN001, ANN202
+def _blend(values: np.ndarray, face: np.ndarray, weights: Vector) -> Vector:
     """Values (V, 3) at the three vertices of `face`, weighted."""
     total = (0.0, 0.0, 0.0)
     for corner in range(3):
@@ -130,7 +141,7 @@ def _blend(values, face, weights):  # noqa: ANN001, ANN202
 
 
 @compiled
-def _finish(records, words, paths, i, limited):  # noqa: ANN001, ANN202
+def _finish(records: np.ndarray, words: np.ndarray, paths: Paths, i: int, limited: bool) -> None:
     """Write the record of path i, whose last ray has been cast."""
     record = paths.pixel[i]
     for axis in range(3):
@@ -153,12 +164,12 @@ def _finish(records, words, paths, i, limited):  # noqa: ANN001, ANN202
 
 
 @compiled
-def _schlick(reflectance, cosine):  # noqa: ANN001, ANN202
+def _schlick(reflectance: float, cosine: float) -> float:
     return reflectance + (1.0 - reflectance) * (1.0 - min(max(cosine, 0.0), 1.0)) ** 5
 
 
 @compiled
-def _glass(direction, normal, eta):  # noqa: ANN001, ANN202
+def _glass(direction: Vector, normal: Vector, eta: float) -> tuple[Vector, float, bool]:
     """Refracted direction, Fresnel's transmittance, and whether light crosses; if not, the reflected direction."""
     cosine = -dot(normal, direction)
     tangential = along(direction, cosine, normal)
@@ -173,7 +184,17 @@ def _glass(direction, normal, eta):  # noqa: ANN001, ANN202
 
 
 @compiled
-def _surface_normal(world, item, face, weights, origin, direction, distance, geometric, side):  # noqa: ANN001, ANN202
+def _surface_normal(
+    world: World,
+    item: int,
+    face: np.ndarray,
+    weights: Vector,
+    origin: Vector,
+    direction: Vector,
+    distance: float,
+    geometric: Vector,
+    side: float,
+) -> tuple[float, Vector, bool]:
     """Where the ray meets the surface, the normal there against the ray, and whether both are exact.
 
     Without an exact surface, or where it is missed, the normal is Phong's and the place is on the triangle.
@@ -184,7 +205,7 @@ def _surface_normal(world, item, face, weights, origin, direction, distance, geo
         for corner in range(3):
             u += weights[corner] * world.parameters[face[corner], 0]
             v += weights[corner] * world.parameters[face[corner], 1]
-        met, exact, normal = meet(kind, world.numbers[item], origin, direction, distance, u, v)
+        met, exact, normal = meet(kind, world.numbers[item], origin, direction, distance, u, v, geometric)
         # The faces may be turned against the surface's own normals, as in a concave mirror cut from a sphere.
         turn = 1.0 if dot(normal, geometric) > 0.0 else -1.0
         normal = (turn * normal[0], turn * normal[1], turn * normal[2])
@@ -197,7 +218,16 @@ def _surface_normal(world, item, face, weights, origin, direction, distance, geo
 
 
 @compiled
-def _bend(world, item, face, origin, direction, distance, vertex_origins, vertex_directions):  # noqa: ANN001, ANN202
+def _bend(
+    world: World,
+    item: int,
+    face: np.ndarray,
+    origin: Vector,
+    direction: Vector,
+    distance: float,
+    vertex_origins: np.ndarray,
+    vertex_directions: np.ndarray,
+) -> tuple[Vector, Vector, float, bool]:
     """The ray after a hit on specular object `item`.
 
     Returns
@@ -224,13 +254,12 @@ def _bend(world, item, face, origin, direction, distance, vertex_origins, vertex
     if mirror and len(vertex_origins):
         bent = unit(_blend(vertex_directions, face, weights))
         change = along(bent, -1.0, direction)
-        return _blend(vertex_origins, face, weights), bent, _schlick(constant, 0.5 * math.sqrt(dot(change, change))), False
+        share = _schlick(constant, 0.5 * math.sqrt(dot(change, change)))
+        return _blend(vertex_origins, face, weights), bent, share, False
 
     side = 1.0 if slope < 0.0 else -1.0
     geometric = unit((side * area[0], side * area[1], side * area[2]))
-    distance, normal, exact = _surface_normal(
-        world, item, face, weights, origin, direction, distance, geometric, side
-    )
+    distance, normal, exact = _surface_normal(world, item, face, weights, origin, direction, distance, geometric, side)
     crosses = False
     if mirror:
         cosine = -dot(normal, direction)
@@ -248,7 +277,7 @@ def _bend(world, item, face, origin, direction, distance, vertex_origins, vertex
 
 
 @compiled
-def _outside(world, face, direction):  # noqa: ANN001, ANN202
+def _outside(world: World, face: np.ndarray, direction: Vector) -> tuple[bool, float]:
     """Whether a ray hits a triangle's front, and the length of its longest edge."""
     a, b, c = _corner(world.positions, face[0]), _corner(world.positions, face[1]), _corner(world.positions, face[2])
     edge_1, edge_2, edge_3 = along(b, -1.0, a), along(c, -1.0, b), along(a, -1.0, c)
@@ -257,7 +286,15 @@ def _outside(world, face, direction):  # noqa: ANN001, ANN202
 
 
 @compiled
-def advance(world, paths, count, vertex_origins, vertex_directions, records, words):  # noqa: ANN001, ANN201
+def advance(
+    world: World,
+    paths: Paths,
+    count: int,
+    vertex_origins: np.ndarray,
+    vertex_directions: np.ndarray,
+    records: np.ndarray,
+    words: np.ndarray,
+) -> int:
     """End or bend the first `count` paths, whose rays have been cast.
 
     With `vertex_origins` and `vertex_directions` (V, 3) float64 a mirror sends on the interpolated ray of a ray mesh;

@@ -9,9 +9,11 @@ from __future__ import annotations
 import math
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from anamorph.compiled import compiled
 from anamorph.errors import AnamorphError
+from anamorph.scene.camera import Vector
 from anamorph.scene.surfaces import BezierPatch, Plane, Sphere, Surface
 
 NONE, PLANE, SPHERE, BEZIER = range(4)
@@ -37,13 +39,13 @@ def pack(surface: Surface | None) -> tuple[int, np.ndarray]:
 
 
 @compiled
-def dot(a, b):  # noqa: ANN001, ANN201
+def dot(a: Vector, b: Vector) -> float:
     """Scalar product of two tuples of three."""
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 
 
 @compiled
-def along(origin, distance, direction):  # noqa: ANN001, ANN201
+def along(origin: Vector, distance: float, direction: Vector) -> Vector:
     """The point `distance` along a ray."""
     return (
         origin[0] + distance * direction[0],
@@ -53,20 +55,20 @@ def along(origin, distance, direction):  # noqa: ANN001, ANN201
 
 
 @compiled
-def cross(a, b):  # noqa: ANN001, ANN201
+def cross(a: Vector, b: Vector) -> Vector:
     """Vector product of two tuples of three."""
     return (a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0])
 
 
 @compiled
-def unit(a):  # noqa: ANN001, ANN201
+def unit(a: Vector) -> Vector:
     """A tuple of three at length one."""
     scale = 1.0 / math.sqrt(dot(a, a))
     return (a[0] * scale, a[1] * scale, a[2] * scale)
 
 
 @compiled
-def _cubic(t):  # noqa: ANN001, ANN202
+def _cubic(t: float) -> tuple[tuple[float, float, float, float], tuple[float, float, float, float]]:
     """The four Bernstein polynomials at t, and their derivatives."""
     s = 1.0 - t
     values = (s * s * s, 3.0 * s * s * t, 3.0 * s * t * t, t * t * t)
@@ -75,7 +77,7 @@ def _cubic(t):  # noqa: ANN001, ANN202
 
 
 @compiled
-def _patch(control, u, v):  # noqa: ANN001, ANN202
+def _patch(control: np.ndarray, u: float, v: float) -> tuple[Vector, Vector, Vector]:
     """Position on a Bezier patch of 48 numbers, and its derivatives along u and v."""
     (a, da), (b, db) = _cubic(u), _cubic(v)
     position, along_u, along_v = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
@@ -90,7 +92,13 @@ def _patch(control, u, v):  # noqa: ANN001, ANN202
 
 
 @compiled
-def _meet_patch(control, origin, direction, u, v):  # noqa: ANN001, ANN202
+def _meet_patch(
+    control: np.ndarray,
+    origin: Vector,
+    direction: Vector,
+    u: float,
+    v: float,
+) -> tuple[bool, float, Vector]:
     """Newton's iteration in (u, v) on the two components of S(u, v) - origin across the ray, with halved steps."""
     if abs(direction[0]) < 0.6:
         across_1 = unit(cross(direction, (1.0, 0.0, 0.0)))
@@ -105,29 +113,32 @@ def _meet_patch(control, origin, direction, u, v):  # noqa: ANN001, ANN202
     offset = along(position, -1.0, origin)
     started = dot(offset, direction)
     f, g = dot(offset, across_1), dot(offset, across_2)
-    for _ in range(24):
-        if f * f + g * g <= (1e-14 * extent) ** 2:
-            break
+    share = 1.0
+    for _ in range(48):
         fu, fv, gu, gv = dot(along_u, across_1), dot(along_v, across_1), dot(along_u, across_2), dot(along_v, across_2)
         determinant = fu * gv - fv * gu
-        if abs(determinant) <= 1e-12 * extent * extent:
+        found = f * f + g * g <= (1e-14 * extent) ** 2
+        if found or share < 1e-3 or abs(determinant) <= 1e-12 * extent * extent:
             break
-        step_u, step_v = (f * gv - fv * g) / determinant, (fu * g - f * gu) / determinant
-        share, better = 1.0, False
-        for _ in range(8):
-            # A little beyond the border, because the mesh there may stand before the neighbouring patch.
-            next_u = min(max(u - share * step_u, -0.05), 1.05)
-            next_v = min(max(v - share * step_v, -0.05), 1.05)
-            next_position, next_along_u, next_along_v = _patch(control, next_u, next_v)
-            next_offset = along(next_position, -1.0, origin)
-            next_f, next_g = dot(next_offset, across_1), dot(next_offset, across_2)
-            if next_f * next_f + next_g * next_g < f * f + g * g:
-                better = True
-                break
+        # A little beyond the border, because the mesh there may stand before the neighbouring patch.
+        next_u = min(max(u - share * (f * gv - fv * g) / determinant, -0.05), 1.05)
+        next_v = min(max(v - share * (fu * g - f * gu) / determinant, -0.05), 1.05)
+        position, next_along_u, next_along_v = _patch(control, next_u, next_v)
+        next_offset = along(position, -1.0, origin)
+        next_f, next_g = dot(next_offset, across_1), dot(next_offset, across_2)
+        if next_f * next_f + next_g * next_g < f * f + g * g:
+            u, v, f, g, offset, along_u, along_v = (
+                next_u,
+                next_v,
+                next_f,
+                next_g,
+                next_offset,
+                next_along_u,
+                next_along_v,
+            )
+            share = min(2.0 * share, 1.0)
+        else:
             share *= 0.5
-        if not better:
-            break
-        u, v, f, g, offset, along_u, along_v = next_u, next_v, next_f, next_g, next_offset, next_along_u, next_along_v
     distance = dot(offset, direction)
     normal = cross(along_u, along_v)
     # Far from where the mesh was hit lies another sheet of the patch; a vanishing normal is a pole.
@@ -140,7 +151,16 @@ def _meet_patch(control, origin, direction, u, v):  # noqa: ANN001, ANN202
 
 
 @compiled
-def meet(kind, numbers, origin, direction, distance, u, v):  # noqa: ANN001, ANN201
+def meet(
+    kind: int,
+    numbers: np.ndarray,
+    origin: Vector,
+    direction: Vector,
+    distance: float,
+    u: float,
+    v: float,
+    facing: Vector,
+) -> tuple[bool, float, Vector]:
     """Refine a hit on the mesh to one on the exact surface.
 
     Parameters
@@ -151,6 +171,9 @@ def meet(kind, numbers, origin, direction, distance, u, v):  # noqa: ANN001, ANN
         The ray; unit direction.
     distance, u, v : float
         Where it hits the mesh: along the ray, and on the surface.
+    facing : three float64
+        The mesh's normal there, against the ray. It tells which side of a sphere the mesh is: near a silhouette the
+        distances do not.
 
     Returns
     -------
@@ -174,9 +197,9 @@ def meet(kind, numbers, origin, direction, distance, u, v):  # noqa: ANN001, ANN
         square = numbers[3] * numbers[3] - dot(across, across)
         if square >= 0.0:
             half = math.sqrt(square)
-            distance = middle - half if abs(middle - half - distance) <= abs(middle + half - distance) else middle + half
-            outward = along((0.0, 0.0, 0.0), distance, direction)
-            normal = unit(along(outward, -1.0, to_center))
+            from_center = along(along((0.0, 0.0, 0.0), distance, direction), -1.0, to_center)
+            distance = middle - half if dot(from_center, facing) > 0.0 else middle + half
+            normal = unit(along(along((0.0, 0.0, 0.0), distance, direction), -1.0, to_center))
             met = True
     elif kind == BEZIER:
         met, distance, normal = _meet_patch(numbers, origin, direction, u, v)
@@ -184,12 +207,30 @@ def meet(kind, numbers, origin, direction, distance, u, v):  # noqa: ANN001, ANN
 
 
 @compiled
-def _meet_all(kind, numbers, origins, directions, distances, parameters, positions, normals, ok):  # noqa: ANN001, ANN202
+def _meet_all(
+    kind: int,
+    numbers: np.ndarray,
+    origins: np.ndarray,
+    directions: np.ndarray,
+    distances: np.ndarray,
+    parameters: np.ndarray,
+    facing: np.ndarray,
+    positions: np.ndarray,
+    normals: np.ndarray,
+    ok: np.ndarray,
+) -> None:
     for i in range(len(origins)):
         origin = (origins[i, 0], origins[i, 1], origins[i, 2])
         direction = (directions[i, 0], directions[i, 1], directions[i, 2])
         ok[i], distance, normal = meet(
-            kind, numbers, origin, direction, distances[i], parameters[i, 0], parameters[i, 1]
+            kind,
+            numbers,
+            origin,
+            direction,
+            distances[i],
+            parameters[i, 0],
+            parameters[i, 1],
+            (facing[i, 0], facing[i, 1], facing[i, 2]),
         )
         point = along(origin, distance, direction)
         for axis in range(3):
@@ -197,7 +238,7 @@ def _meet_all(kind, numbers, origins, directions, distances, parameters, positio
 
 
 def intersect(
-    surface: Surface, origins: np.ndarray, directions: np.ndarray, start_parameters: np.ndarray
+    surface: Surface, origins: ArrayLike, directions: ArrayLike, start_parameters: ArrayLike
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Refine hits on a mesh to hits on its exact surface.
 
@@ -221,6 +262,8 @@ def intersect(
     directions = np.array(directions, float).reshape(-1, 3)
     parameters = np.array(start_parameters, float).reshape(-1, 2)
     distances = np.sum((surface.position(parameters) - origins) * directions, axis=1)
+    facing = surface.normal(parameters)
+    facing = np.where(np.sum(facing * directions, axis=1, keepdims=True) > 0.0, -facing, facing)
     positions, normals, ok = np.empty_like(origins), np.empty_like(origins), np.empty(len(origins), bool)
-    _meet_all(kind, numbers, origins, directions, distances, parameters, positions, normals, ok)
+    _meet_all(kind, numbers, origins, directions, distances, parameters, facing, positions, normals, ok)
     return positions, normals, ok

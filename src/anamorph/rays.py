@@ -52,7 +52,7 @@ class _Wrapper:
 
     def __init__(self, positions: np.ndarray, faces: np.ndarray) -> None:
         self._scene = EmbreeScene()
-        self._mesh = TriangleMesh(self._scene, positions[faces]) if len(faces) else None
+        self._mesh = TriangleMesh(self._scene, positions[faces])
 
     def cast(
         self,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import json
 import os
 import signal
@@ -14,8 +15,9 @@ import numpy as np
 import pytest
 import trimesh
 from PIL import Image
+from rich.console import Console
 
-from anamorph import demo
+from anamorph import demo, progress
 
 COMMAND = [sys.executable, "-m", "anamorph"]
 
@@ -172,6 +174,16 @@ def test_a_reader_who_has_enough_is_no_error():
         error = process.stderr.read()
     assert error == ""
     assert process.returncode == 141
+
+
+@pytest.mark.parametrize("terminal", [True, False])
+def test_progress_is_told_on_a_terminal_only(terminal, monkeypatch):
+    told = io.StringIO()
+    monkeypatch.setattr(progress, "Console", lambda stderr: Console(file=told, force_terminal=terminal, width=80))
+    with progress.progress_bar("opening [a scene]") as tell:
+        tell(1, 2, "half of [it]")
+    assert ("half of [it]" in told.getvalue()) == terminal
+    assert terminal or told.getvalue() == ""
 
 
 def test_the_demo_writes_a_page_figures_and_a_picture_by_each_method(tmp_path, monkeypatch):

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 from anamorph.errors import AnamorphError
 from anamorph.frame import Frame
-from anamorph.measure.angles import angles_between, picture_distances
+from anamorph.measure.angles import angles_between, picture_distances, ray_footprints
 from anamorph.measure.errors import measure, silhouettes
 
 
@@ -38,6 +38,24 @@ def test_a_shift_on_a_flat_mirror_is_a_known_angle_and_a_known_number_of_pixels(
     cosine = np.sum(first * second, -1) / np.linalg.norm(first, axis=-1) / np.linalg.norm(second, axis=-1)
     assert errors.maps.angular == pytest.approx(1000.0 * np.arccos(cosine), rel=1e-2)
     assert errors.pixels.median == pytest.approx(np.median(errors.maps.pixels))
+
+
+def test_pixels_stay_true_far_from_the_ray():
+    truth = plane_truth()
+    errors = measure(truth, replace(truth, position=truth.position + np.float32([6.0, 0.0, 0.0])))
+    assert errors.maps.pixels[16, 24] == pytest.approx(6.0 * 50.0 / 10.0, rel=2e-2)
+
+
+def test_footprints_do_not_reach_across_to_another_surface():
+    truth = plane_truth()
+    surface = truth.specular.copy()
+    surface[:, 24:] = 8
+    origins, directions = truth.ray_origin.astype(float), truth.ray_direction.astype(float)
+    whole = ray_footprints(origins, directions, surface, np.full(surface.shape, 9.0))
+    # the other surface is a little nearer: not enough to be taken for an inner silhouette
+    origins[:, 24:, 0] += 0.1
+    assert np.array_equal(ray_footprints(origins, directions, surface, np.full(surface.shape, 9.0)), whole)
+    assert whole[16, 23, :, 0] == pytest.approx([10.0 / 50.0, 0.0, 0.0], abs=2e-2)
 
 
 def test_the_same_direction_from_afar_is_no_angular_error_but_a_nearer_point_on_another_ray_is():

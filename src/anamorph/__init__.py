@@ -1,0 +1,63 @@
+"""What an eye sees in a curved mirror, and how far each method is from the truth.
+
+The public names are loaded when first used, so that the command line answers at once.
+"""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from anamorph.errors import AnamorphError as AnamorphError
+    from anamorph.frame import Frame as Frame
+    from anamorph.frame import Status as Status
+    from anamorph.measure.compare import compare as compare
+    from anamorph.methods import METHODS as METHODS
+    from anamorph.raymesh import RayMesh as RayMesh
+    from anamorph.rendering import render as render
+    from anamorph.scene.camera import Camera as Camera
+    from anamorph.scene.load import load_model as load_model
+    from anamorph.scene.model import AmbientLight as AmbientLight
+    from anamorph.scene.model import Diffuse as Diffuse
+    from anamorph.scene.model import DirectionalLight as DirectionalLight
+    from anamorph.scene.model import Glass as Glass
+    from anamorph.scene.model import Mesh as Mesh
+    from anamorph.scene.model import Mirror as Mirror
+    from anamorph.scene.model import PointLight as PointLight
+    from anamorph.scene.model import Scene as Scene
+    from anamorph.scene.model import Sky as Sky
+    from anamorph.scene.model import Texture as Texture
+    from anamorph.scene.opening import open_scene as open_scene
+    from anamorph.scene.surfaces import BezierPatch as BezierPatch
+    from anamorph.scene.surfaces import Plane as Plane
+    from anamorph.scene.surfaces import Sphere as Sphere
+
+_HOMES = {
+    "anamorph.errors": ("AnamorphError",),
+    "anamorph.frame": ("Frame", "Status"),
+    "anamorph.measure.compare": ("compare",),
+    "anamorph.methods": ("METHODS",),
+    "anamorph.raymesh": ("RayMesh",),
+    "anamorph.rendering": ("render",),
+    "anamorph.scene.camera": ("Camera",),
+    "anamorph.scene.load": ("load_model",),
+    "anamorph.scene.model": (
+        "AmbientLight", "Diffuse", "DirectionalLight", "Glass", "Mesh", "Mirror", "PointLight", "Scene", "Sky", "Texture",
+    ),
+    "anamorph.scene.opening": ("open_scene",),
+    "anamorph.scene.surfaces": ("BezierPatch", "Plane", "Sphere"),
+}  # fmt: skip
+_HOME_OF = {name: home for home, names in _HOMES.items() for name in names}
+
+__all__ = sorted(_HOME_OF)
+
+
+def __getattr__(name: str) -> Any:
+    if name not in _HOME_OF:
+        raise AttributeError(f"module 'anamorph' has no attribute {name!r}")
+    return getattr(import_module(_HOME_OF[name]), name)
+
+
+def __dir__() -> list[str]:
+    return __all__

@@ -68,8 +68,8 @@ def _render(arguments: argparse.Namespace) -> None:
     _check_distinct(arguments.output, *(path for _, path in arguments.seen))
     from anamorph.frame import View
     from anamorph.methods import parse
-    from anamorph.render import draw_frame
-    from anamorph.scene import open_scene
+    from anamorph.rendering import draw_frame
+    from anamorph.scene.opening import open_scene
 
     if arguments.method:
         parse(arguments.method)
@@ -92,7 +92,7 @@ def _compare(arguments: argparse.Namespace) -> None:
     from anamorph.measure.report import report_page
     from anamorph.measure.table import print_table
     from anamorph.methods import METHODS, parse
-    from anamorph.scene import open_scene
+    from anamorph.scene.opening import open_scene
 
     specs = arguments.method or list(METHODS)
     for spec in specs:
@@ -111,8 +111,8 @@ def _compare(arguments: argparse.Namespace) -> None:
 def _scenes(arguments: argparse.Namespace) -> None:
     from anamorph.scene.builtin import SCENES
 
-    for name, make in SCENES.items():
-        print(f"{name:12} {(make.__doc__ or '').strip().splitlines()[0]}")
+    for scene in SCENES.values():
+        print(f"{scene.name:12} {scene.summary}")
 
 
 def _info(arguments: argparse.Namespace) -> None:

@@ -9,7 +9,7 @@ from anamorph.measure.compare import Comparison, compare
 from anamorph.measure.report import report_page
 from anamorph.output import save_picture, save_text
 from anamorph.progress import Tell
-from anamorph.scene import open_scene
+from anamorph.scene.opening import open_scene
 
 SCENE = "car-mirror"
 SPECS = ("pervertex", "environment", "raytrace")

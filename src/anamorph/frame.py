@@ -4,9 +4,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from enum import IntEnum
+from pathlib import Path
 
 import numpy as np
 
+from anamorph.output import save_picture
 from anamorph.scene.camera import Camera
 from anamorph.scene.model import Scene
 
@@ -70,3 +72,7 @@ class Frame:
     status: np.ndarray | None = None
     ray_origin: np.ndarray | None = None
     ray_direction: np.ndarray | None = None
+
+    def save(self, path: str | Path) -> None:
+        """Write the picture, whole or not at all, in the format that the suffix of `path` names."""
+        save_picture(Path(path), self.color)

@@ -66,6 +66,7 @@ def make_pipeline(
     depth_compare: str = "greater",
     depth_write: bool = True,
     topology: str = "triangle-list",
+    color_write: bool = True,
 ) -> wgpu.GPURenderPipeline:
     """A pipeline that binds shading, projection, and then `groups`."""
     device = get_device()
@@ -73,7 +74,11 @@ def make_pipeline(
     return device.create_render_pipeline(
         layout=device.create_pipeline_layout(bind_group_layouts=layouts),
         vertex={"module": module, "entry_point": vertex, "buffers": list(buffers)},
-        fragment={"module": module, "entry_point": fragment, "targets": [{"format": form} for form in formats]},
+        fragment={
+            "module": module,
+            "entry_point": fragment,
+            "targets": [{"format": form, "write_mask": 15 if color_write else 0} for form in formats],
+        },
         primitive={"topology": topology},
         depth_stencil={
             "format": DEPTH_FORMAT,
@@ -86,8 +91,9 @@ def make_pipeline(
 
 @dataclass(frozen=True, eq=False)
 class ScenePipelines:
-    """Meshes and sky, for one kind of output."""
+    """Meshes and sky, for one kind of output: depth first, so that each pixel is shaded once."""
 
+    depth: wgpu.GPURenderPipeline
     meshes: wgpu.GPURenderPipeline
     sky: wgpu.GPURenderPipeline
 
@@ -95,7 +101,12 @@ class ScenePipelines:
 def _scene_pipelines(meshes: str, sky: str, formats: Sequence[str], samples: int = 1) -> ScenePipelines:
     module = shader_module()
     return ScenePipelines(
-        meshes=make_pipeline(module, "scene_vertex", meshes, formats, samples=samples),
+        depth=make_pipeline(
+            module, "depth_vertex", "no_color", formats, samples=samples, color_write=False
+        ),
+        meshes=make_pipeline(
+            module, "scene_vertex", meshes, formats, samples=samples, depth_compare="equal", depth_write=False
+        ),
         sky=make_pipeline(
             module,
             "sky_vertex",
@@ -137,12 +148,14 @@ def draw_scene(
     """Draw all meshes but those whose indices are `hidden`, then the sky."""
     render_pass.set_bind_group(0, buffers.shading)
     render_pass.set_bind_group(1, projection.group)
-    render_pass.set_pipeline(pipelines.meshes)
     render_pass.set_vertex_buffer(0, buffers.vertices)
     render_pass.set_index_buffer(buffers.indices, "uint32")
-    for first, last in visible_ranges(len(buffers.first_face) - 1, hidden):
-        start, end = int(buffers.first_face[first]), int(buffers.first_face[last])
-        render_pass.draw_indexed(3 * (end - start), 1, 3 * start)
+    ranges = visible_ranges(len(buffers.first_face) - 1, hidden)
+    for pipeline in (pipelines.depth, pipelines.meshes):
+        render_pass.set_pipeline(pipeline)
+        for first, last in ranges:
+            start, end = int(buffers.first_face[first]), int(buffers.first_face[last])
+            render_pass.draw_indexed(3 * (end - start), 1, 3 * start)
     render_pass.set_pipeline(pipelines.sky)
     render_pass.draw(3)
 

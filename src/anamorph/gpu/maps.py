@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cache
 
@@ -43,9 +43,15 @@ class Map:
         """Set the projection for the next drawing."""
         self.projection.write(projection, self.size)
 
-    def draw_color(self, encoder: wgpu.GPUCommandEncoder, buffers: SceneBuffers, hidden: Sequence[int]) -> None:
-        """Draw the scene's colours, all meshes but the hidden ones, and the mipmaps if it has any."""
-        self._draw(encoder, self.color, color_pipelines(self.color.samples), buffers, hidden)
+    def draw_color(
+        self,
+        encoder: wgpu.GPUCommandEncoder,
+        buffers: SceneBuffers,
+        hidden: Sequence[int],
+        extra: Callable[[wgpu.GPURenderPassEncoder], None] | None = None,
+    ) -> None:
+        """Draw the scene's colours, all meshes but the hidden ones, then `extra`, and the mipmaps if it has any."""
+        self._draw(encoder, self.color, color_pipelines(self.color.samples), buffers, hidden, extra)
         texture = self.color.textures[0]
         for level in range(1, texture.mip_level_count):
             _halve(encoder, texture, level)
@@ -61,9 +67,12 @@ class Map:
         pipelines: ScenePipelines,
         buffers: SceneBuffers,
         hidden: Sequence[int],
+        extra: Callable[[wgpu.GPURenderPassEncoder], None] | None = None,
     ) -> None:
         render_pass = begin_pass(encoder, target)
         draw_scene(render_pass, pipelines, buffers, self.projection, hidden)
+        if extra is not None:
+            extra(render_pass)
         render_pass.end()
 
 

@@ -23,7 +23,7 @@ struct VertexIn {
 }
 
 struct SceneFragment {
-    @builtin(position) pixel: vec4f,
+    @builtin(position) @invariant pixel: vec4f,
     @location(0) position: vec3f,
     @location(1) normal: vec3f,
     @location(2) texcoord: vec2f,
@@ -76,6 +76,16 @@ fn scene_vertex(vertex: VertexIn) -> SceneFragment {
     fragment.color = vertex.color.rgb;
     fragment.object = vertex.object;
     return fragment;
+}
+
+@vertex
+fn depth_vertex(@location(0) position: vec3f) -> @builtin(position) @invariant vec4f {
+    return projection.clip * vec4f(position, 1.0);
+}
+
+@fragment
+fn no_color() -> @location(0) vec4f {
+    return vec4f(0.0);
 }
 
 @fragment

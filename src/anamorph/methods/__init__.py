@@ -10,9 +10,7 @@ from anamorph.errors import AnamorphError
 from anamorph.methods import environment, pervertex, raytrace
 from anamorph.methods.protocol import Method, Session
 
-METHODS: dict[str, Method] = {
-    module.METHOD.name: module.METHOD for module in (raytrace, environment, pervertex)
-}
+METHODS: dict[str, Method] = {module.METHOD.name: module.METHOD for module in (raytrace, environment, pervertex)}
 
 __all__ = ["METHODS", "Method", "Session", "make_options", "parse"]
 

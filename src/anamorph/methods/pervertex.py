@@ -22,6 +22,7 @@ from anamorph.gpu.buffers import storage_buffer
 from anamorph.gpu.device import get_device, maximum_size
 from anamorph.gpu.drawing import make_pipeline, shader_module
 from anamorph.gpu.maps import Map, make_map, map_sampler
+from anamorph.gpu.overlay import Overlay
 from anamorph.gpu.reflectors import REFLECTOR_BUFFERS, draw_reflector
 from anamorph.gpu.targets import COLOR_FORMAT, SEEN_FORMATS
 from anamorph.methods.protocol import Method, Session
@@ -32,6 +33,7 @@ from anamorph.projection import MapFrame, Projection, map_frame, map_projection
 from anamorph.raymesh import RayMesh, RayStatus
 from anamorph.rays import Caster
 from anamorph.scene.camera import Camera
+from anamorph.scene.geometry import Geometry
 
 WIDEST = 4.0
 """Tangent of the half angle that a map may cover; vertices beyond it have no place in the map."""
@@ -40,6 +42,12 @@ FARTHEST = 1e4
 """How far away the sky is, in diagonals of the scene."""
 
 MAXIMUM_MAP = 4096
+
+MAXIMUM_LAYERS = 8
+"""How many surfaces of a mirror's rim a ray may pass through."""
+
+BALL_PIXELS = 18.0
+"""Radius of the overlay's balls where nothing magnifies or reduces them."""
 
 
 @dataclass(frozen=True)
@@ -80,17 +88,45 @@ class MapPlan:
     texels : (width, height) float
         The map's size at one texel for each pixel that it fills.
     hits : (V, 3) float64
-        Where the vertex rays meet the scene or the distant sky (step 3.1).
+        Where the vertex rays meet the scene (step 3.1).
+    distances : (V,) float64
+        How far that is from the vertex; infinite for the sky.
     """
 
     projection: Projection
     lookups: np.ndarray
     texels: tuple[float, float]
     hits: np.ndarray
+    distances: np.ndarray
+
+
+@dataclass(frozen=True, eq=False)
+class World:
+    """What vertex rays may hit.
+
+    Parameters
+    ----------
+    caster : Caster
+    face_object : (F,) uint32
+        The object of each triangle that it casts at.
+    corners : (8, 3) float64
+        Corners of a box around the scene.
+    """
+
+    caster: Caster
+    face_object: np.ndarray
+    corners: np.ndarray
+
+
+def world_of(geometry: Geometry) -> World:
+    """The world of a scene's geometry."""
+    low, high = geometry.positions.min(axis=0), geometry.positions.max(axis=0)
+    corners = np.stack(np.meshgrid(*np.stack([low, high], axis=1)), axis=-1).reshape(-1, 3).astype(float)
+    return World(Caster(geometry), geometry.face_object, corners)
 
 
 def plan_map(
-    mirror: Reflector, rays: RayMesh, caster: Caster, corners: np.ndarray, projective: bool = True
+    mirror: Reflector, rays: RayMesh, eye: np.ndarray, world: World, projective: bool = True
 ) -> MapPlan | None:
     """Find a mirror's virtual viewpoint, view volume and texture coordinates; None where its back is all one sees.
 
@@ -99,9 +135,9 @@ def plan_map(
     mirror : Reflector
     rays : RayMesh
         Its reflected rays (step 1).
-    caster : Caster
-    corners : (8, 3) float64
-        Corners of a box around the scene.
+    eye : (3,) float64
+    world : World
+        What the rays may hit.
     projective : bool
     """
     facing = rays.status == RayStatus.OK
@@ -109,8 +145,10 @@ def plan_map(
         return None
     directions = rays.unit_directions()
     frame = _map_frame(rays.origins[facing], directions[facing])
-    near_plane = _near_plane(mirror, facing)
-    hits = _hit_points(rays.origins, directions, near_plane, caster, FARTHEST * float(np.linalg.norm(np.ptp(corners, axis=0))))
+    near_plane = _near_plane(mirror, rays.origins[facing], directions[facing], mirror.normals[facing], eye, world)
+    distances = _hit_distances(rays.origins, directions, near_plane, world.caster)
+    sky = FARTHEST * float(np.linalg.norm(np.ptp(world.corners, axis=0)))
+    hits = rays.origins + np.minimum(distances, sky)[:, None] * directions
 
     # Step 3.2 and 3.3: where the lines from the viewpoint to the hits cross the projection plane.
     projected = frame.project(hits)
@@ -133,10 +171,11 @@ def plan_map(
     lookups = np.column_stack([texcoords * weight[:, None], weight, valid])
     lookups[~valid, :2], lookups[~valid, 2] = 0.5, 1.0
     return MapPlan(
-        projection=map_projection(frame, bounds, near_plane, corners),
+        projection=map_projection(frame, bounds, near_plane, world.corners),
         lookups=lookups,
         texels=_texels(rays, texcoords, valid & facing, np.ptp(bounds, axis=0)),
         hits=hits,
+        distances=distances,
     )
 
 
@@ -157,26 +196,43 @@ def _map_frame(origins: np.ndarray, directions: np.ndarray) -> MapFrame:
     return map_frame(viewpoint, middle + radius * forward, axes)
 
 
-def _near_plane(mirror: Reflector, facing: np.ndarray) -> np.ndarray:
-    """The plane along the mirror just before its foremost vertex, (4,)."""
-    normal = mirror.normals[facing].mean(axis=0)
-    normal /= np.linalg.norm(normal)
-    heights = mirror.positions[facing] @ normal
-    clearance = 1e-4 * float(np.linalg.norm(np.ptp(mirror.positions, axis=0)))
-    return np.append(normal, -(heights.max() + clearance))
-
-
-def _hit_points(
-    origins: np.ndarray, directions: np.ndarray, near_plane: np.ndarray, caster: Caster, sky: float
+def _near_plane(
+    mirror: Reflector, origins: np.ndarray, directions: np.ndarray, normals: np.ndarray, eye: np.ndarray, world: World
 ) -> np.ndarray:
-    """Step 3.1: where each ray first meets the scene beyond the near plane; `sky` metres away if nowhere."""
+    """The plane along the mirror just before its foremost vertex, and before what frames it, (4,).
+
+    A rim over the mirror's border hides vertices from the eye. It must not hide the scene from them as well: no one
+    sees where their rays meet the rim, but all that is interpolated towards it would be wrong.
+    """
+    normal = normals.mean(axis=0)
+    normal /= np.linalg.norm(normal)
+    diagonal = float(np.linalg.norm(np.ptp(mirror.positions, axis=0)))
+    top = float((origins @ normal).max())
+
+    caster = world.caster
+    sight = caster.cast(np.broadcast_to(eye, origins.shape), origins - eye)
+    hidden = (sight.triangle >= 0) & (sight.distance < 1.0 - 1e-4)
+    hider = world.face_object[sight.triangle]
+    start = np.full(len(origins), caster.near)
+    for _ in range(MAXIMUM_LAYERS):
+        hits = caster.cast(origins, directions, start)
+        framed = hidden & (hits.distance < diagonal) & (world.face_object[hits.triangle] == hider)
+        if not framed.any():
+            break
+        start = np.where(framed, hits.distance + caster.near, start)
+        top = max(top, float(((origins + start[:, None] * directions) @ normal)[framed].max()))
+    return np.append(normal, -(top + 1e-4 * diagonal))
+
+
+def _hit_distances(
+    origins: np.ndarray, directions: np.ndarray, near_plane: np.ndarray, caster: Caster
+) -> np.ndarray:
+    """Step 3.1: how far each ray goes to the scene beyond the near plane; infinite where it sees the sky."""
     rise = directions @ near_plane[:3]
     behind = -(origins @ near_plane[:3] + near_plane[3])
     # A ray along the plane never crosses it: start it at the mirror.
     start = np.where(rise > 1e-3, behind / np.maximum(rise, 1e-3), 0.0)
-    hits = caster.cast(origins, directions, np.maximum(start, caster.near))
-    distance = np.where(hits.triangle >= 0, hits.distance, sky)
-    return origins + distance[:, None] * directions
+    return caster.cast(origins, directions, np.maximum(start, caster.near)).distance
 
 
 def _bounds(places: np.ndarray) -> np.ndarray:
@@ -206,6 +262,13 @@ def _areas(corners: np.ndarray) -> np.ndarray:
     return np.abs(a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]) / 2.0
 
 
+def _ball_radii(plan: MapPlan, rays: RayMesh, camera: Camera, size: tuple[int, int]) -> np.ndarray:
+    """Radii that make each hit's ball a few pixels large on the way to the eye; 0 in the sky."""
+    pixel = 2.0 * np.tan(np.radians(camera.field_of_view) / 2.0) / size[1]
+    way = np.linalg.norm(rays.origins - camera.position, axis=1) + plan.distances
+    return np.where(np.isfinite(way), BALL_PIXELS * pixel * way, 0.0)
+
+
 class _WarpedReflector:
     """One mirror: its map on the device, and the lookups of its vertices."""
 
@@ -216,6 +279,7 @@ class _WarpedReflector:
         self.lookups = storage_buffer(np.zeros((len(mesh.positions), 4), np.float32), wgpu.BufferUsage.VERTEX)
         self.map: Map | None = None
         self.plan: MapPlan | None = None
+        self.overlay = Overlay(self.mirror.positions, self.mirror.faces, options.antialias) if options.overlay else None
         self._options, self._layout = options, layout
 
     def update(self, plan: MapPlan) -> Map:
@@ -246,9 +310,7 @@ class PerVertexDrawing:
         self._stage, self._options = stage, options
         layout = _layout()
         self._reflectors = [_WarpedReflector(stage, index, options, layout) for index in stage.buffers.specular]
-        self._caster = Caster(stage.geometry)
-        low, high = stage.geometry.positions.min(axis=0), stage.geometry.positions.max(axis=0)
-        self._corners = np.stack(np.meshgrid(*np.stack([low, high], axis=1)), axis=-1).reshape(-1, 3).astype(float)
+        self._world = world_of(stage.geometry)
         module = shader_module("gpu/map.wgsl", "methods/pervertex.wgsl")
         self._color = make_pipeline(
             module,
@@ -272,10 +334,14 @@ class PerVertexDrawing:
         """Steps 1 to 3: plan and draw each mirror's map."""
         for item in self._reflectors:
             rays = reflected_rays(item.mirror, camera, self._stage.view.size)
-            plan = plan_map(item.mirror, rays, self._caster, self._corners, self._options.projective)
+            plan = plan_map(item.mirror, rays, np.asarray(camera.position), self._world, self._options.projective)
             item.plan = None
-            if plan is not None:
-                item.update(plan).draw_color(encoder, self._stage.buffers, (item.index,))
+            if plan is None:
+                continue
+            if item.overlay is not None:
+                item.overlay.place(plan.hits, _ball_radii(plan, rays, camera, self._stage.view.size))
+            balls = None if item.overlay is None else item.overlay.draw_balls
+            item.update(plan).draw_color(encoder, self._stage.buffers, (item.index,), balls)
 
     def prepare_seen(self, encoder: wgpu.GPUCommandEncoder) -> None:
         """Draw what the maps see, for the seen buffers."""
@@ -286,6 +352,10 @@ class PerVertexDrawing:
     def draw_color(self, render_pass: wgpu.GPURenderPassEncoder) -> None:
         """Step 4: the mirrors, with their maps."""
         self._draw(render_pass, self._color)
+        for item in self._reflectors:
+            if item.plan is not None and item.overlay is not None:
+                item.overlay.draw_balls(render_pass)
+                item.overlay.draw_wires(render_pass)
 
     def draw_seen(self, render_pass: wgpu.GPURenderPassEncoder) -> None:
         """The mirrors' seen buffers."""

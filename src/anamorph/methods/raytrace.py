@@ -92,7 +92,9 @@ class TracedDrawing:
         self._used = 0
         self._records: tuple[Camera, tuple[float, float], Rectangle, np.ndarray] | None = None
 
-    def _pipeline(self, module: wgpu.GPUShaderModule, fragment: str, formats: tuple[str, ...]) -> wgpu.GPURenderPipeline:
+    def _pipeline(
+        self, module: wgpu.GPUShaderModule, fragment: str, formats: tuple[str, ...]
+    ) -> wgpu.GPURenderPipeline:
         return make_pipeline(
             module,
             "sky_vertex",

@@ -13,10 +13,11 @@ from anamorph.scene.surfaces import Sphere
 MODEL_DISTANCE = 2.6
 EYE_DISTANCE = 5.0
 MIRROR_RADIUS = 5.0
-MIRROR_HALF_SIZE = (0.98, 0.78)
+MIRROR_HALF_SIZE = (0.7, 0.56)
+BORDER = 0.04
 MIRROR_STEPS = (16, 12)
 MIRROR_AZIMUTH = 30.0
-EYE_AZIMUTH = 40.0
+EYE_AZIMUTH = 34.0
 GROUND_HALF_SIZE = 100.0
 SQUARE = 0.5
 
@@ -26,8 +27,8 @@ def stand_before_mirror(meshes: tuple[Mesh, ...], name: str) -> Scene:
 
     With f half the mirror's radius, E the eye's and D the model's distance from the mirror, a length r at the model
     covers r f E / (E (D + f) + f D) of the mirror (the mirror equation, and similar triangles from the eye): 0.39 r
-    here, so that the model's bounding sphere fills half of the mirror's height. The mirror faces half-way between
-    eye and model, which puts the model's middle into the mirror's.
+    here, so that the model's bounding sphere fills 70 percent of the mirror's height, and most models half of it.
+    The mirror faces half-way between eye and model, which puts the model's middle into the mirror's.
     """
     points = np.concatenate([mesh.positions for mesh in meshes]).astype(float)
     low, high = points.min(axis=0), points.max(axis=0)
@@ -42,12 +43,13 @@ def stand_before_mirror(meshes: tuple[Mesh, ...], name: str) -> Scene:
     eye = center + EYE_DISTANCE * unit * _level(MIRROR_AZIMUTH + 180.0 + EYE_AZIMUTH)
     eye[1] = height + 0.25 * unit
     outward = _unit(_unit(eye - center) + _unit(middle - center))
-    mirror = _mirror(center, outward, unit)
     ground = _ground(np.array([middle[0], low[1], middle[2]]), unit)
     aside = 0.25 * unit * _unit(np.cross([0.0, 1.0, 0.0], center - eye))
     target = center + aside * np.sign(np.dot(aside, middle - center))
     return Scene(
-        name=name, meshes=(mirror, ground, *meshes), camera=Camera(_tuple(eye), _tuple(target), field_of_view=30.0)
+        name=name,
+        meshes=(*_mirror(center, outward, unit), ground, *meshes),
+        camera=Camera(_tuple(eye), _tuple(target), field_of_view=24.0),
     )
 
 
@@ -64,25 +66,33 @@ def _tuple(vector: np.ndarray) -> Vector:
     return (float(vector[0]), float(vector[1]), float(vector[2]))
 
 
-def _mirror(center: np.ndarray, outward: np.ndarray, unit: float) -> Mesh:
-    """A cap of a sphere around `center`, on it, bulging along `outward`."""
+def _mirror(center: np.ndarray, outward: np.ndarray, unit: float) -> tuple[Mesh, Mesh]:
+    """A mirror that is a cap of a sphere, bulging along `outward` at `center`, and the dark plate that it is set in."""
     right = _unit(np.cross([0.0, 1.0, 0.0], outward))
     radius = MIRROR_RADIUS * unit
-    sphere = Sphere(center - radius * outward, radius, np.stack([right, np.cross(outward, right), outward]))
-    spans = np.arcsin(np.array(MIRROR_HALF_SIZE) / MIRROR_RADIUS)
+    middle, axes = center - radius * outward, np.stack([right, np.cross(outward, right), outward])
+    width, height = MIRROR_HALF_SIZE
+    plate = Sphere(middle, radius - BORDER / 2.0 * unit, axes)
+    return (
+        _cap("mirror", Sphere(middle, radius, axes), (width, height), Mirror()),
+        _cap("mirror-plate", plate, (width + BORDER, height + BORDER), Diffuse((0.02, 0.02, 0.025))),
+    )
+
+
+def _cap(name: str, sphere: Sphere, half_size: tuple[float, float], material: Mirror | Diffuse) -> Mesh:
+    """The part of a sphere around its outward axis, `half_size` model radii to the side and up."""
+    spans = np.arcsin(np.array(half_size) / MIRROR_RADIUS)
     columns, rows = (np.linspace(-span, span, steps + 1) for span, steps in zip(spans, MIRROR_STEPS, strict=True))
     parameters = np.stack(np.meshgrid(columns, rows), axis=-1).reshape(-1, 2)
     first = np.add.outer(np.arange(len(rows) - 1) * len(columns), np.arange(len(columns) - 1)).reshape(-1, 1)
     across, above = 1, len(columns)
-    faces = np.concatenate(
-        [first + np.array([0, across, across + above]), first + np.array([0, across + above, above])]
-    )
+    corners = first + np.array([0, across, across + above, 0, across + above, above])
     return Mesh(
-        name="mirror",
+        name=name,
         positions=sphere.position(parameters).astype(np.float32),
-        faces=faces.astype(np.int32),
+        faces=corners.reshape(-1, 3).astype(np.int32),
         normals=sphere.normal(parameters).astype(np.float32),
-        material=Mirror(),
+        material=material,
         surface=sphere,
         parameters=parameters,
     )

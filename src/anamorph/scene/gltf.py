@@ -49,6 +49,7 @@ def read_gltf(data: bytes, path: Path) -> Gltf:
     header, rest = _split(data, path, glb)
     try:
         _refuse_unknown_extensions(header, path)
+        _give_default_material(header)
         materials = tuple(_material(entry) for entry in header.get("materials", []))
         nodes = tuple(_node_name(header, node) for node in header.get("nodes", []))
         _choose_texture_coordinates(header)
@@ -128,13 +129,20 @@ def _node_name(header: dict[str, Any], node: dict[str, Any]) -> str:
     return str(node.get("name") or "part")
 
 
+def _give_default_material(header: dict[str, Any]) -> None:
+    """Name the white default material outright: trimesh reads vertex colours rightly only beside a material."""
+    header["materials"] = [*header.get("materials", []), {}]
+    for mesh in header.get("meshes", []):
+        for primitive in mesh["primitives"]:
+            primitive.setdefault("material", len(header["materials"]) - 1)
+
+
 def _choose_texture_coordinates(header: dict[str, Any]) -> None:
     """Make the set of coordinates that the base colour uses the first, the only one that trimesh reads."""
     for mesh in header.get("meshes", []):
         for primitive in mesh["primitives"]:
-            if "material" in primitive:
-                _, texture = _base_color(header["materials"][primitive["material"]])
-                transform = (texture or {}).get("extensions", {}).get("KHR_texture_transform", {})
-                chosen = transform.get("texCoord", (texture or {}).get("texCoord", 0))
-                if chosen:
-                    primitive["attributes"]["TEXCOORD_0"] = primitive["attributes"][f"TEXCOORD_{chosen}"]
+            _, texture = _base_color(header["materials"][primitive["material"]])
+            transform = (texture or {}).get("extensions", {}).get("KHR_texture_transform", {})
+            chosen = transform.get("texCoord", (texture or {}).get("texCoord", 0))
+            if chosen:
+                primitive["attributes"]["TEXCOORD_0"] = primitive["attributes"][f"TEXCOORD_{chosen}"]

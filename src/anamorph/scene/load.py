@@ -144,7 +144,9 @@ def _part(
         positions, normals = positions[faces].reshape(-1, 3), None if normals is None else normals[faces].reshape(-1, 3)
         faces = np.arange(len(positions)).reshape(-1, 3)
 
-    positions = positions @ matrix[:3, :3].T + matrix[:3, 3]
+    with np.errstate(over="ignore"):
+        positions = (positions @ matrix[:3, :3].T + matrix[:3, 3]).astype(np.float32)
+    check_triangles(where, positions, faces)
     # A transform that mirrors turns triangles inside out; the cofactors carry normals, mirrored or not.
     if np.linalg.det(matrix[:3, :3]) < 0:
         faces = faces[:, ::-1]
@@ -160,17 +162,18 @@ def _part(
         source = source[copies]
     else:
         normals = repaired(normals[source], positions[source], faces)
-    mesh = Mesh(
-        name=name,
-        positions=positions[source].astype(np.float32),
-        faces=faces.astype(np.int32),
-        normals=normals.astype(np.float32),
-        material=material,
-        texcoords=None if texcoords is None else texcoords[source].astype(np.float32),
-        colors=None if colors is None else colors[source].astype(np.float32),
+    return Part(
+        Mesh(
+            name=name,
+            positions=positions[source],
+            faces=faces.astype(np.int32),
+            normals=normals.astype(np.float32),
+            material=material,
+            texcoords=None if texcoords is None else texcoords[source].astype(np.float32),
+            colors=None if colors is None else colors[source].astype(np.float32),
+        ),
+        material_name,
     )
-    check_triangles(where, mesh.positions, mesh.faces)
-    return Part(mesh, material_name)
 
 
 def _cofactors(matrix: np.ndarray) -> np.ndarray:

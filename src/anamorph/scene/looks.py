@@ -34,8 +34,7 @@ def look(
     """
     visual, count = geometry.visual, len(geometry.vertices)
     if visual.kind == "vertex":
-        shown = np.asarray(visual.vertex_colors)[:, :3] / 255.0
-        return Diffuse(WHITE), "", None, shown if gltf else _linear(shown)
+        return Diffuse(WHITE), "", None, _linear(np.asarray(visual.vertex_colors)[:, :3] / 255.0)
     if visual.kind == "face":
         return Diffuse(WHITE), "", None, np.repeat(_linear(np.asarray(visual.face_colors)[:, :3] / 255.0), 3, axis=0)
     if visual.kind != "texture":
@@ -46,7 +45,7 @@ def look(
         texcoords = np.asarray(visual.uv, float)[:, :2] * (1.0, -1.0) + (0.0, 1.0)
     attribute = visual.vertex_attributes.get("color") if gltf else None
     colors = None if attribute is None or len(attribute) != count else _fractions(np.asarray(attribute)[:, :3])
-    if gltf and visual.material.name:
+    if gltf:
         known = gltf.materials[int(visual.material.name)]
         image, color, name = visual.material.baseColorTexture, known.color, known.name
         if known.textured and image is None:

@@ -165,32 +165,15 @@ def shade(points: np.ndarray) -> np.ndarray:
 
 
 def tableware() -> list[Mesh]:
-    """Cups, a sugar bowl, an orange and a lemon around the pot."""
-    cup = [
-        (0.0, 0.0),
-        (0.022, 0.0),
-        (0.024, 0.006),
-        (0.036, 0.05),
-        (0.038, 0.062),
-        (0.034, 0.06),
-        (0.021, 0.012),
-        (0, 0.01),
-    ]
+    """Cups, an orange and a lemon around the pot."""
+    outside = [(0.0, 0.0), (0.022, 0.0), (0.024, 0.006), (0.036, 0.05), (0.038, 0.062)]
+    inside = [(0.034, 0.06), (0.021, 0.012), (0.0, 0.01)]
     saucer = [(0.0, 0.0), (0.03, 0.0), (0.062, 0.012), (0.060, 0.014), (0.03, 0.005), (0.0, 0.004)]
-    places: tuple[tuple[float, float, Color], ...] = (
-        (0.23, 0.10, (0.10, 0.24, 0.55)),
-        (-0.20, 0.16, (0.75, 0.55, 0.12)),
-        (-0.12, -0.26, (0.12, 0.42, 0.30)),
-    )
     meshes = []
-    for number, (x, z, color) in enumerate(places):
-        set_ = join(
-            [
-                lathe(saucer, 28, 50.0).painted((0.85, 0.84, 0.80)),
-                lathe(cup, 28, 50.0).moved(0, 0.006, 0).painted(color),
-            ]
-        )
-        meshes.append(set_.moved(x, TABLE_HEIGHT, z).mesh(f"cup-{number}", white()))
+    for number, (x, z, color) in enumerate(CUPS):
+        cup = lathe(outside + inside, 28, 50.0).moved(0.0, 0.006, 0.0).painted(color)
+        pair = join([lathe(saucer, 28, 50.0).painted((0.85, 0.84, 0.80)), cup])
+        meshes.append(pair.moved(x, TABLE_HEIGHT, z).mesh(f"cup-{number}", white()))
     latitude = np.radians(np.linspace(-90, 90, 13))
     for name, x, z, radius, color in FRUITS:
         fruit = lathe([(radius * np.cos(v), radius * (1 + np.sin(v))) for v in latitude], 24, 60.0)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -11,7 +12,9 @@ from anamorph.errors import AnamorphError
 from anamorph.frame import Frame, View
 from anamorph.methods import Session, make_options, parse
 from anamorph.scene.camera import Camera
+from anamorph.scene.checks import check_scene
 from anamorph.scene.model import Scene
+from anamorph.scene.opening import open_scene
 
 DEFAULT_SIZE = (1024, 768)
 MAXIMUM_SAMPLES = 32
@@ -20,13 +23,13 @@ MAXIMUM_SAMPLES = 32
 def draw_frame(view: View, specification: str, seen: bool = False) -> Frame:
     """Draw one frame of `view` by the method and options that `specification` names."""
     method, options = parse(specification)
-    if not 1 <= view.samples <= MAXIMUM_SAMPLES:
-        raise AnamorphError(f"samples is {view.samples}; give a number from 1 to {MAXIMUM_SAMPLES} a side")
     return accumulate(view, method.open(view, options), seen)
 
 
 def accumulate(view: View, session: Session, seen: bool = False) -> Frame:
     """Average the shifted pictures that `view.samples` asks for; seen buffers are those of pixel centres."""
+    if not 1 <= view.samples <= MAXIMUM_SAMPLES:
+        raise AnamorphError(f"samples is {view.samples}; give a number from 1 to {MAXIMUM_SAMPLES} a side")
     steps = (np.arange(view.samples) + 0.5) / view.samples - 0.5
     total = np.zeros((view.size[1], view.size[0], 3))
     for y in steps:
@@ -42,7 +45,7 @@ def accumulate(view: View, session: Session, seen: bool = False) -> Frame:
 
 
 def render(
-    scene: Scene | str,
+    scene: Scene | str | Path,
     method: str = "pervertex",
     camera: Camera | None = None,
     size: tuple[int, int] | None = None,
@@ -54,7 +57,7 @@ def render(
 
     Parameters
     ----------
-    scene : Scene or str
+    scene : Scene, str or Path
         A scene, the name of a built-in one, or the path of a scene file or a model file.
     method : str
         "name" or "name:option=value,…".
@@ -73,11 +76,13 @@ def render(
     -------
     Frame
     """
-    if isinstance(scene, str | Path):
-        scene, settings = open_scene(scene)
+    if isinstance(scene, Scene):
+        opened = check_scene(dataclasses.replace(scene, camera=camera or scene.camera))
+    else:
+        opened, settings = open_scene(scene)
         size = size or settings.size
+        opened = opened if camera is None else check_scene(dataclasses.replace(opened, camera=camera))
     chosen, written = parse(method)
     given = dataclasses.asdict(written) | options
-    view = View(scene, camera or scene.camera, size or DEFAULT_SIZE, samples)
-    check_view(view)
+    view = View(opened, opened.camera, size or DEFAULT_SIZE, samples)
     return accumulate(view, chosen.open(view, make_options(chosen, given)), seen)

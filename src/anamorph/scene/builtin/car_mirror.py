@@ -85,7 +85,7 @@ def glass(sphere: Sphere) -> Mesh:
     )
 
 
-def rounded_rectangle(half_width: float, half_height: float, corner: float, arc: int = 7) -> np.ndarray:
+def rounded_rectangle(half_width: float, half_height: float, corner: float, arc: int = 9) -> np.ndarray:
     """An outline, (4 arc, 2), counter-clockwise."""
     quarter = np.linspace(0, np.pi / 2, arc)
     arcs = []

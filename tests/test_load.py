@@ -191,6 +191,17 @@ def test_gltf_transforms_nest_and_mirrored_parts_keep_their_outside(tmp_path: Pa
         assert (np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]) @ outside > 0).all()
 
 
+def test_normals_of_a_stretched_slope_stay_perpendicular(tmp_path: Path) -> None:
+    slope = trimesh.Trimesh([[0, 0, 0], [1, 0, 0], [0, 1, 1]], [[0, 1, 2]], process=False)
+    assert slope.vertex_normals is not None
+    scene = trimesh.Scene()
+    scene.add_geometry(slope, transform=np.diag([1.0, 4.0, 1.0, 1.0]))
+    (tmp_path / "slope.glb").write_bytes(trimesh.exchange.gltf.export_glb(scene, include_normals=True))
+    (mesh,) = load_model(tmp_path / "slope.glb")
+    assert np.allclose(mesh.positions.max(axis=0), [1, 4, 1])
+    assert np.allclose(mesh.normals, np.array([0, -1, 4]) / np.sqrt(17), atol=1e-6)
+
+
 def test_parts_of_one_name_are_numbered_and_always_in_one_order(tmp_path: Path) -> None:
     primitive = {"attributes": {"POSITION": 0}, "indices": 2}
     path = gltf(
@@ -360,6 +371,7 @@ def damaged(folder: Path) -> dict[str, tuple[Path, str]]:
         ),
         "points": (file("a.ply", points), "no triangles"),
         "cut ply": (file("b.ply", trimesh.creation.box().export(file_type="ply")[:400]), "damaged or no PLY"),
+        "ply texture": (file("d.ply", ply(folder).read_text().replace("four", "lost")), "'lost.png'"),
         "garbage ply": (file("c.ply", b"\x00\x01"), "damaged or no PLY"),
         "empty stl": (file("a.stl", b""), "a.stl"),
         "garbage stl": (file("b.stl", b"\x00" * 90), "b.stl"),
@@ -373,7 +385,7 @@ def half_image(folder: Path) -> str:
 
 
 KINDS = """missing|folder|suffix|cut off|empty glb|garbage glb|no json|version 1|no buffer|no image|image|draco|index
-faces|infinite|no faces|empty obj|no vertex|flat|nan|no mtl|no texture|bad texture|half texture|points|cut ply
+faces|infinite|no faces|empty obj|no vertex|flat|nan|no mtl|no texture|bad texture|half texture|points|cut ply|ply texture
 garbage ply|empty stl|garbage stl""".replace("\n", "|").split("|")
 
 

@@ -245,12 +245,13 @@ def test_patches_bend_at_the_patch_and_pass_each_other():
     assert checked > 300
 
 
-def test_facing_mirrors_bounce_as_often_as_unfolding_says():
+@pytest.mark.parametrize("truth", ["surface", "raymesh"])
+def test_facing_mirrors_bounce_as_often_as_unfolding_says(truth):
     width, length = 1.0, 4.0
     left = rectangle_at((-width / 2, 0, 0), (0, 0, -length), (0, 9.0, 0), "left", Mirror(reflectance=1.0))
     right = rectangle_at((width / 2, 0, 0), (0, 0, length), (0, 9.0, 0), "right", Mirror(reflectance=1.0))
     camera = Camera((0.1, 0.0, length - 0.01), (0.1, 0.0, 0.0), field_of_view=60)
-    out = trace([box(half=20.0), left, right], camera, max_bounces=5)
+    out = trace([box(half=20.0), left, right], camera, max_bounces=5, truth=truth)
     rays = pixel_rays(camera)
     # Unfolded, the ray runs straight on through a row of walls, one width apart.
     end = 0.1 + rays[:, 0] / -rays[:, 2] * (2 * length - 0.01)

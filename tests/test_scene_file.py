@@ -191,7 +191,7 @@ def test_a_sky_image_is_read(folder: Path) -> None:
 
 def test_lines_are_found_through_strings_arrays_and_nested_tables() -> None:
     text = 'a = """\nb = 1\n[c]\n"""\n"d e".f = [\n  1, # ]\n  2,\n]\n'
-    text += '[[g]]\n[g.h]\ni = "[["\n[[g]]\nj = {k = 1}\n[[g.l]]\nm = 1\n'
+    text += '[[g]]\n[g.h]\ni = "[["\n[[g]]\nj = {k = "\\"["}\n[[g.l]]\nm = 1\n'
     assert key_lines(text) == {
         ("a",): 1,
         ("d e", "f"): 5,

@@ -88,14 +88,16 @@ fn no_color() -> @location(0) vec4f {
     return vec4f(0.0);
 }
 
+// Diffuse meshes, and the backs of mirrors.
 @fragment
 fn scene_color(fragment: SceneFragment) -> @location(0) vec4f {
-    let point = surface_point(fragment);
+    return vec4f(shade(surface_point(fragment), viewing_direction(fragment.pixel.xy)), 1.0);
+}
+
+@fragment
+fn stand_in_color(fragment: SceneFragment) -> @location(0) vec4f {
     let direction = normalize(viewing_direction(fragment.pixel.xy));
-    if objects[point.object - 1u].kind == DIFFUSE {
-        return vec4f(shade(point, direction), 1.0);
-    }
-    return vec4f(specular_stand_in(point, direction, projection.base.w), 1.0);
+    return vec4f(specular_stand_in(fragment.object, normalize(fragment.normal), direction, projection.base.w), 1.0);
 }
 
 @fragment

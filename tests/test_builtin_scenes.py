@@ -14,7 +14,7 @@ from anamorph.scene.builtin import shapes
 from anamorph.scene.builtin.teapot import patches
 from anamorph.scene.geometry import flatten
 from anamorph.scene.model import Diffuse, DirectionalLight, Mirror
-from anamorph.scene.surfaces import BezierPatch, Plane, Sphere
+from anamorph.scene.surfaces import BezierPatch, Plane, Sphere, Surface
 
 NAMES = ("car-mirror", "spheres", "room", "flat-mirror")
 every_scene = pytest.mark.parametrize("name", NAMES)
@@ -27,6 +27,17 @@ def scene(name):
 
 def mesh(name, part):
     return next(mesh for mesh in scene(name).meshes if mesh.name == part)
+
+
+def exact(part) -> tuple[Surface, np.ndarray]:
+    assert part.surface is not None and part.parameters is not None, part.name
+    return part.surface, part.parameters
+
+
+def image(part) -> np.ndarray:
+    """The pixels of a mesh's texture; none where it has no texture."""
+    textured = isinstance(part.material, Diffuse) and part.material.texture is not None
+    return part.material.texture.pixels if textured else np.zeros((0, 0, 4), np.uint8)
 
 
 def face_normals(positions, faces):
@@ -95,8 +106,7 @@ def test_a_scene_is_the_same_each_time(name):
     for one, other in zip(scene(name).meshes, builtin.make(name).meshes, strict=True):
         np.testing.assert_array_equal(one.positions, other.positions)
         np.testing.assert_array_equal(one.normals, other.normals)
-        if isinstance(one.material, Diffuse) and one.material.texture is not None:
-            np.testing.assert_array_equal(one.material.texture.pixels, other.material.texture.pixels)
+        np.testing.assert_array_equal(image(one), image(other))
 
 
 @every_scene
@@ -112,16 +122,15 @@ def test_reflectors_lie_on_their_exact_surfaces(name):
     assert reflectors
     for part in reflectors:
         assert isinstance(part.material, Mirror)
-        np.testing.assert_allclose(part.surface.position(part.parameters), part.positions, atol=2e-7)
-        np.testing.assert_allclose(part.surface.normal(part.parameters), part.normals, atol=1e-6)
-        middle = part.parameters[part.faces].mean(axis=1)
+        surface, parameters = exact(part)
+        np.testing.assert_allclose(surface.position(parameters), part.positions, atol=2e-7)
+        np.testing.assert_allclose(surface.normal(parameters), part.normals, atol=1e-6)
+        middle = parameters[part.faces].mean(axis=1)
         area = face_normals(part.positions, part.faces)
-        assert (np.einsum("fk,fk->f", area, part.surface.normal(middle)) > 0).all(), part.name
+        assert (np.einsum("fk,fk->f", area, surface.normal(middle)) > 0).all(), part.name
         # Parameters are continuous in every triangle: halfway between vertices they stay near the triangle.
         size = np.sqrt(np.linalg.norm(area, axis=1).max())
-        assert (
-            np.linalg.norm(part.surface.position(middle) - part.positions[part.faces].mean(axis=1), axis=1).max() < size
-        )
+        assert np.linalg.norm(surface.position(middle) - part.positions[part.faces].mean(axis=1), axis=1).max() < size
 
 
 def test_the_door_mirror_is_the_papers():
@@ -152,7 +161,7 @@ def test_the_door_mirror_shows_road_own_car_houses_sky_and_the_car_behind():
     view, geometry = scene("car-mirror"), flatten(scene("car-mirror"))
     u, v = np.meshgrid(np.linspace(-0.064, 0.064, 60), np.linspace(-0.043, 0.043, 40))
     uv = np.stack([u.ravel(), v.ravel()], axis=-1)
-    surface = mesh("car-mirror", "mirror").surface
+    surface, _ = exact(mesh("car-mirror", "mirror"))
     point, normal = surface.position(uv), surface.normal(uv)
     incident = point - view.camera.position
     incident /= np.linalg.norm(incident, axis=1, keepdims=True)
@@ -182,6 +191,9 @@ def test_teapot_has_newells_32_patches_symmetric_about_its_middle_plane():
     assert len({point for _, control in found for point in key(control)}) == 290
     points = np.concatenate([control.reshape(-1, 3) for _, control in found])
     assert points[:, 1].min() == 0.0 and points[:, 1].max() == 3.15
+    # Two sums over the patches as they have been published.
+    assert np.abs(points).sum() == pytest.approx(1824.975)
+    assert sum(np.sum(control.sum(axis=(0, 1)) ** 2) for _, control in found) == pytest.approx(55231.76837)
 
 
 def test_teapots_normals_point_outside_and_its_poles_are_level():
@@ -222,7 +234,7 @@ def test_the_ball_is_watertight_across_its_seam():
     edges = np.sort(np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]]), axis=1)
     _, uses = np.unique(edges, axis=0, return_counts=True)
     assert (uses == 2).all()
-    assert np.ptp(ball.parameters[ball.faces], axis=1).max() < 0.1
+    assert np.ptp(exact(ball)[1][ball.faces], axis=1).max() < 0.1
 
 
 @pytest.mark.parametrize(("name", "part"), [("flat-mirror", "mirror"), ("spheres", "mirror-flat")])
@@ -284,3 +296,20 @@ def test_a_grid_shows_the_top_left_of_its_image_at_its_top_left():
     bottom_right = np.argmin(grid.positions[:, 1] - grid.positions[:, 0])
     np.testing.assert_allclose(grid.texcoords[[top_left, bottom_right]], [[0.25, 0.5], [0.75, 1.0]])
     np.testing.assert_allclose(grid.normals, [[0, 0, 1]] * 20)
+
+
+def test_the_town_is_never_seen_from_behind():
+    geometry = flatten(scene("car-mirror"))
+    normals = face_normals(geometry.positions, geometry.faces)
+    eyes = np.array([[0, 14, -100], [0, 14, 170], [-2, 2, -30], [3, 3, 60], [-30, 25, 20], [30, 25, 20], [0, 40, 30]])
+    generator = np.random.default_rng(1)
+    origins = np.repeat(eyes.astype(float), 3000, axis=0)
+    houses = np.concatenate([part.positions for part in scene("car-mirror").meshes if part.name.startswith("house")])
+    directions = houses[generator.integers(len(houses), size=len(origins))] - origins
+    directions += generator.normal(size=directions.shape)
+    triangle = Caster(geometry).cast(origins, directions).triangle
+    hit = triangle >= 0
+    behind = np.einsum("nk,nk->n", normals[triangle[hit]], directions[hit]) > 0
+    # Into one's own car one looks through its open windows.
+    behind &= geometry.face_object[triangle[hit]] != 2
+    assert hit.sum() > 10_000 and behind.mean() < 0.0008, np.unique(geometry.face_object[triangle[hit][behind]])

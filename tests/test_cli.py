@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import json
 import os
 import signal
@@ -14,8 +15,9 @@ import numpy as np
 import pytest
 import trimesh
 from PIL import Image
+from rich.console import Console
 
-from anamorph import demo
+from anamorph import demo, progress
 
 COMMAND = [sys.executable, "-m", "anamorph"]
 
@@ -106,26 +108,27 @@ def test_help_has_examples_and_the_version_is_one_line():
     assert quiet_success(run("--version")).startswith("anamorph ")
 
 
+# no scene is called "nowhere": each of these must be found out before the scene is looked for
 USAGE = {
     "nothing": ((), "COMMAND"),
     "unknown command": (("paint",), "invalid choice: 'paint'"),
-    "no output": (("render", "spheres"), "-o/--output"),
-    "unknown option": (("compare", "spheres", "--fast"), "--fast"),
-    "abbreviated option": (("render", "spheres", "-o", "a.png", "--sam", "2"), "--sam"),
-    "size zero": (("render", "spheres", "-o", "a.png", "--size", "0x4"), "'0x4' has no pixels"),
-    "size of words": (("render", "spheres", "-o", "a.png", "--size", "big"), "write it like 1024x768"),
-    "negative size": (("render", "spheres", "-o", "a.png", "--size=-3x4"), "'-3x4' is no size"),
-    "no samples": (("render", "spheres", "-o", "a.png", "--samples", "0"), "whole number from 1"),
-    "unknown format": (("render", "spheres", "-o", "a.gif"), "end the name in .png"),
-    "no format": (("render", "spheres", "-o", "a"), "end the name in .png"),
-    "no directory": (("render", "spheres", "-o", "no/a.png"), "no/a.png: there is no directory"),
-    "directory in the way": (("render", "spheres", "-o", "taken.png"), "not a plain file"),
-    "unknown buffer": (("render", "spheres", "-o", "a.png", "--seen", "depth=a.npy"), "'depth=a.npy' is no seen"),
-    "buffer without file": (("render", "spheres", "-o", "a.png", "--seen", "position"), "write NAME=FILE.npy"),
-    "buffer as picture": (("render", "spheres", "-o", "a.png", "--seen", "position=a.jpg"), "end the name in .npy"),
-    "one file for two": (("render", "spheres", "-o", "a.npy", "--seen", "position=a.npy"), "a.npy: is asked for twice"),
-    "page over figures": (("compare", "spheres", "--json", "a", "--html", "a"), "a: is asked for twice"),
-    "page nowhere": (("compare", "spheres", "--html", "no/a.html"), "no/a.html: there is no directory"),
+    "no output": (("render", "nowhere"), "-o/--output"),
+    "unknown option": (("compare", "nowhere", "--fast"), "--fast"),
+    "abbreviated option": (("render", "nowhere", "-o", "a.png", "--sam", "2"), "--sam"),
+    "size zero": (("render", "nowhere", "-o", "a.png", "--size", "0x4"), "'0x4' has no pixels"),
+    "size of words": (("render", "nowhere", "-o", "a.png", "--size", "big"), "write it like 1024x768"),
+    "negative size": (("render", "nowhere", "-o", "a.png", "--size=-3x4"), "'-3x4' is no size"),
+    "no samples": (("render", "nowhere", "-o", "a.png", "--samples", "0"), "whole number from 1"),
+    "unknown format": (("render", "nowhere", "-o", "a.gif"), "end the name in .png"),
+    "no format": (("render", "nowhere", "-o", "a"), "end the name in .png"),
+    "no directory": (("render", "nowhere", "-o", "no/a.png"), "no/a.png: there is no directory"),
+    "directory in the way": (("render", "nowhere", "-o", "taken.png"), "not a plain file"),
+    "unknown buffer": (("render", "nowhere", "-o", "a.png", "--seen", "depth=a.npy"), "'depth=a.npy' is no seen"),
+    "buffer without file": (("render", "nowhere", "-o", "a.png", "--seen", "position"), "write NAME=FILE.npy"),
+    "buffer as picture": (("render", "nowhere", "-o", "a.png", "--seen", "position=a.jpg"), "end the name in .npy"),
+    "one file for two": (("render", "nowhere", "-o", "a.npy", "--seen", "position=a.npy"), "a.npy: is asked for twice"),
+    "page over figures": (("compare", "nowhere", "--json", "a", "--html", "a"), "a: is asked for twice"),
+    "page nowhere": (("compare", "nowhere", "--html", "no/a.html"), "no/a.html: there is no directory"),
 }
 
 
@@ -167,11 +170,23 @@ def test_an_interrupt_says_so_and_leaves_no_part_of_a_file(tmp_path):
 
 
 def test_a_reader_who_has_enough_is_no_error():
-    with subprocess.Popen([*COMMAND, "scenes"], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as process:
+    buffered = {name: value for name, value in os.environ.items() if name != "PYTHONUNBUFFERED"}
+    pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE}
+    with subprocess.Popen([*COMMAND, "scenes"], env=buffered, text=True, **pipes) as process:
         process.stdout.close()
         error = process.stderr.read()
     assert error == ""
     assert process.returncode == 141
+
+
+@pytest.mark.parametrize("terminal", [True, False])
+def test_progress_is_told_on_a_terminal_only(terminal, monkeypatch):
+    told = io.StringIO()
+    monkeypatch.setattr(progress, "Console", lambda stderr: Console(file=told, force_terminal=terminal, width=80))
+    with progress.progress_bar("opening [a scene]") as tell:
+        tell(1, 2, "half of [it]")
+    assert ("half of [it]" in told.getvalue()) == terminal
+    assert terminal or told.getvalue() == ""
 
 
 def test_the_demo_writes_a_page_figures_and_a_picture_by_each_method(tmp_path, monkeypatch):

@@ -28,10 +28,11 @@ def test_plane():
     assert np.allclose(normals, plane.normal(uv), atol=1e-15)
 
 
-def test_a_ray_along_a_plane_is_not_ok():
+def test_a_ray_along_a_plane_or_away_from_it_is_not_ok():
     plane = Plane(np.zeros(3), np.array([1.0, 0, 0]), np.array([0.0, 1, 0]))
-    *_, ok = intersect(plane, [[0, 0, 1.0], [0, 0, 1.0]], [[1, 0, 0.0], [0, 0, 1.0]], np.zeros((2, 2)))
-    assert ok.tolist() == [False, False]
+    origins, directions = [[0, 0, 1.0], [0, 0, -1.0], [0, 0, 1.0]], [[1, 0, 0.0], [1, 0, 0.0], [0, 0, 1.0]]
+    *_, ok = intersect(plane, origins, directions, np.zeros((3, 2)))
+    assert not ok.any()
 
 
 @pytest.mark.parametrize("radius", [1e-3, 1.0, 50.0])

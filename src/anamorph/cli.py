@@ -68,7 +68,7 @@ def _render(arguments: argparse.Namespace) -> None:
     _check_distinct(arguments.output, *(path for _, path in arguments.seen))
     from anamorph.frame import View
     from anamorph.methods import parse
-    from anamorph.render import draw_frame
+    from anamorph.rendering import draw_frame
     from anamorph.scene.opening import open_scene
 
     if arguments.method:

@@ -22,7 +22,7 @@ def compiled(function: Callable[..., Any]) -> Callable[..., Any]:
     """
     options = {"nogil": True, "error_model": "numpy", "_nrt": False}
     try:
-        dispatcher = numba.njit(function, cache=True, **options)
+        dispatcher: Any = numba.njit(function, cache=True, **options)
         # Numba looks at the function's own file only, and would keep machine code that has old callees built in.
         dispatcher._cache._cache_file._source_stamp = _stamp()
     except (RuntimeError, AttributeError):

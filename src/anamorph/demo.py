@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from anamorph.errors import AnamorphError
 from anamorph.measure.compare import Comparison, compare
 from anamorph.measure.report import report_page
 from anamorph.output import save_picture, save_text
@@ -18,10 +17,7 @@ SIZE = (1024, 768)
 
 def make_demo(directory: Path, command: str, progress: Tell) -> Comparison:
     """Compare the methods and write `index.html` and a PNG of each into `directory`, which is made if need be."""
-    try:
-        directory.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise AnamorphError(f"{directory}: cannot be made a directory ({error.strerror}); choose another") from error
+    directory.mkdir(parents=True, exist_ok=True)
     progress(0, 1, f"making the scene {SCENE}")
     scene, _ = open_scene(SCENE)
     comparison = compare(scene, SPECS, SIZE, command=command, progress=progress)

@@ -52,7 +52,7 @@ class _Wrapper:
 
     def __init__(self, positions: np.ndarray, faces: np.ndarray) -> None:
         self._scene = EmbreeScene()
-        self._mesh = TriangleMesh(self._scene, positions[faces]) if len(faces) else None
+        self._mesh = TriangleMesh(self._scene, positions[faces])
 
     def cast(
         self,
@@ -65,8 +65,6 @@ class _Wrapper:
         barycentric: np.ndarray,
     ) -> None:
         distance[:], triangle[:], barycentric[:] = np.inf, -1, 0.0
-        if self._mesh is None or not len(origins):
-            return
         # The wrapper knows no near distance: the rays start further on instead.
         starts = (origins + near[:, None] * directions).astype(np.float32)
         found = self._scene.run(starts, directions.astype(np.float32), query="INTERSECT", output=True)

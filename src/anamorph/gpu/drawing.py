@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache
 from importlib import resources
+from typing import Any
 
 import numpy as np
 import wgpu
@@ -66,6 +67,9 @@ def make_pipeline(
     depth_compare: str = "greater",
     depth_write: bool = True,
     topology: str = "triangle-list",
+    color_write: bool = True,
+    cull: str = "none",
+    mirrored: bool = False,
 ) -> wgpu.GPURenderPipeline:
     """A pipeline that binds shading, projection, and then `groups`."""
     device = get_device()
@@ -73,8 +77,12 @@ def make_pipeline(
     return device.create_render_pipeline(
         layout=device.create_pipeline_layout(bind_group_layouts=layouts),
         vertex={"module": module, "entry_point": vertex, "buffers": list(buffers)},
-        fragment={"module": module, "entry_point": fragment, "targets": [{"format": form} for form in formats]},
-        primitive={"topology": topology},
+        fragment={
+            "module": module,
+            "entry_point": fragment,
+            "targets": [{"format": form, "write_mask": 15 if color_write else 0} for form in formats],
+        },
+        primitive={"topology": topology, "cull_mode": cull, "front_face": "cw" if mirrored else "ccw"},
         depth_stencil={
             "format": DEPTH_FORMAT,
             "depth_write_enabled": depth_write,
@@ -86,45 +94,59 @@ def make_pipeline(
 
 @dataclass(frozen=True, eq=False)
 class ScenePipelines:
-    """Meshes and sky, for one kind of output."""
+    """The scene for one kind of output.
 
+    Parameters
+    ----------
+    depth, meshes : pipelines
+        Diffuse meshes, first their depth alone, so that each pixel is shaded once.
+    backs, stand_ins : pipelines
+        Of specular meshes: the matt backs of mirrors whose fronts a method draws, and the whole of those that none does.
+    sky : pipeline
+    """
+
+    depth: wgpu.GPURenderPipeline
     meshes: wgpu.GPURenderPipeline
+    backs: wgpu.GPURenderPipeline
+    stand_ins: wgpu.GPURenderPipeline
     sky: wgpu.GPURenderPipeline
 
 
-def _scene_pipelines(meshes: str, sky: str, formats: Sequence[str], samples: int = 1) -> ScenePipelines:
+def _scene_pipelines(
+    meshes: str, stand_ins: str, sky: str, formats: Sequence[str], samples: int = 1, mirrored: bool = False
+) -> ScenePipelines:
     module = shader_module()
+
+    def pipeline(vertex: str, fragment: str, **settings: Any) -> wgpu.GPURenderPipeline:
+        return make_pipeline(module, vertex, fragment, formats, samples=samples, mirrored=mirrored, **settings)
+
     return ScenePipelines(
-        meshes=make_pipeline(module, "scene_vertex", meshes, formats, samples=samples),
-        sky=make_pipeline(
-            module,
-            "sky_vertex",
-            sky,
-            formats,
-            buffers=(),
-            samples=samples,
-            depth_compare="greater-equal",
-            depth_write=False,
-        ),
+        depth=pipeline("depth_vertex", "no_color", color_write=False),
+        meshes=pipeline("scene_vertex", meshes, depth_compare="equal", depth_write=False),
+        backs=pipeline("scene_vertex", meshes, cull="front"),
+        stand_ins=pipeline("scene_vertex", stand_ins, cull="back"),
+        sky=pipeline("sky_vertex", sky, buffers=(), depth_compare="greater-equal", depth_write=False),
     )
 
 
 @cache
-def color_pipelines(samples: int = 1) -> ScenePipelines:
-    """Shaded colour."""
-    return _scene_pipelines("scene_color", "sky_color_fragment", (COLOR_FORMAT,), samples)
+def color_pipelines(samples: int = 1, mirrored: bool = False) -> ScenePipelines:
+    """Shaded colour; `mirrored` for projections whose pictures are left-handed, as a cube map's faces are."""
+    return _scene_pipelines(
+        "scene_color", "stand_in_color", "sky_color_fragment", (COLOR_FORMAT,), samples, mirrored
+    )
 
 
 @cache
 def seen_pipelines() -> ScenePipelines:
     """The seen buffers of a frame."""
-    return _scene_pipelines("scene_seen", "sky_seen", SEEN_FORMATS)
+    return _scene_pipelines("scene_seen", "scene_seen", "sky_seen", SEEN_FORMATS)
 
 
 @cache
-def map_pipelines() -> ScenePipelines:
+def map_pipelines(mirrored: bool = False) -> ScenePipelines:
     """Depth with its slopes, from which a map's reader finds the seen point."""
-    return _scene_pipelines("scene_depth", "sky_depth", MAP_FORMATS)
+    return _scene_pipelines("scene_depth", "scene_depth", "sky_depth", MAP_FORMATS, mirrored=mirrored)
 
 
 def draw_scene(
@@ -132,19 +154,37 @@ def draw_scene(
     pipelines: ScenePipelines,
     buffers: SceneBuffers,
     projection: ProjectionUniform,
-    hidden: Sequence[int] = (),
+    replaced: Sequence[int] = (),
+    absent: Sequence[int] = (),
 ) -> None:
-    """Draw all meshes but those whose indices are `hidden`, then the sky."""
+    """Draw the diffuse meshes, the specular ones, then the sky.
+
+    `replaced` are the mirrors whose fronts a method draws itself, `absent` those not to be drawn at all.
+    """
     render_pass.set_bind_group(0, buffers.shading)
     render_pass.set_bind_group(1, projection.group)
-    render_pass.set_pipeline(pipelines.meshes)
     render_pass.set_vertex_buffer(0, buffers.vertices)
     render_pass.set_index_buffer(buffers.indices, "uint32")
-    for first, last in visible_ranges(len(buffers.first_face) - 1, hidden):
-        start, end = int(buffers.first_face[first]), int(buffers.first_face[last])
-        render_pass.draw_indexed(3 * (end - start), 1, 3 * start)
+    diffuse = visible_ranges(len(buffers.first_face) - 1, buffers.specular)
+    _draw_ranges(render_pass, pipelines.depth, buffers, diffuse)
+    _draw_ranges(render_pass, pipelines.meshes, buffers, diffuse)
+    present = [(i, i + 1) for i in buffers.specular if i not in absent]
+    _draw_ranges(render_pass, pipelines.backs, buffers, present)
+    _draw_ranges(render_pass, pipelines.stand_ins, buffers, [run for run in present if run[0] not in replaced])
     render_pass.set_pipeline(pipelines.sky)
     render_pass.draw(3)
+
+
+def _draw_ranges(
+    render_pass: wgpu.GPURenderPassEncoder,
+    pipeline: wgpu.GPURenderPipeline,
+    buffers: SceneBuffers,
+    ranges: Sequence[tuple[int, int]],
+) -> None:
+    render_pass.set_pipeline(pipeline)
+    for first, last in ranges:
+        start, end = int(buffers.first_face[first]), int(buffers.first_face[last])
+        render_pass.draw_indexed(3 * (end - start), 1, 3 * start)
 
 
 def visible_ranges(count: int, hidden: Sequence[int]) -> list[tuple[int, int]]:

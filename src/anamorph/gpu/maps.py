@@ -32,12 +32,15 @@ class Map:
     size : (width, height)
     projection : ProjectionUniform
     color, depth : Target
+    mirrored : bool
+        Whether its picture is left-handed.
     """
 
     size: tuple[int, int]
     projection: ProjectionUniform
     color: Target
     depth: Target
+    mirrored: bool = False
 
     def write(self, projection: Projection) -> None:
         """Set the projection for the next drawing."""
@@ -47,18 +50,18 @@ class Map:
         self,
         encoder: wgpu.GPUCommandEncoder,
         buffers: SceneBuffers,
-        hidden: Sequence[int],
+        absent: Sequence[int],
         extra: Callable[[wgpu.GPURenderPassEncoder], None] | None = None,
     ) -> None:
-        """Draw the scene's colours, all meshes but the hidden ones, then `extra`, and the mipmaps if it has any."""
-        self._draw(encoder, self.color, color_pipelines(self.color.samples), buffers, hidden, extra)
+        """Draw the scene's colours, all meshes but the absent ones, then `extra`, and the mipmaps if it has any."""
+        self._draw(encoder, self.color, color_pipelines(self.color.samples, self.mirrored), buffers, absent, extra)
         texture = self.color.textures[0]
         for level in range(1, texture.mip_level_count):
             _halve(encoder, texture, level)
 
-    def draw_depth(self, encoder: wgpu.GPUCommandEncoder, buffers: SceneBuffers, hidden: Sequence[int]) -> None:
+    def draw_depth(self, encoder: wgpu.GPUCommandEncoder, buffers: SceneBuffers, absent: Sequence[int]) -> None:
         """Draw the scene's depth and object numbers."""
-        self._draw(encoder, self.depth, map_pipelines(), buffers, hidden)
+        self._draw(encoder, self.depth, map_pipelines(self.mirrored), buffers, absent)
 
     def _draw(
         self,
@@ -66,11 +69,11 @@ class Map:
         target: Target,
         pipelines: ScenePipelines,
         buffers: SceneBuffers,
-        hidden: Sequence[int],
+        absent: Sequence[int],
         extra: Callable[[wgpu.GPURenderPassEncoder], None] | None = None,
     ) -> None:
         render_pass = begin_pass(encoder, target)
-        draw_scene(render_pass, pipelines, buffers, self.projection, hidden)
+        draw_scene(render_pass, pipelines, buffers, self.projection, absent=absent)
         if extra is not None:
             extra(render_pass)
         render_pass.end()
@@ -99,6 +102,7 @@ def make_cube(size: int) -> tuple[Map, ...]:
             projection=projection_uniform(),
             color=make_target(square, (COLOR_FORMAT,), textures=color, layer=layer),
             depth=make_target(square, MAP_FORMATS, textures=depth, layer=layer),
+            mirrored=True,
         )
         for layer in range(6)
     )

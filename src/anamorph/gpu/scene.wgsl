@@ -23,7 +23,7 @@ struct VertexIn {
 }
 
 struct SceneFragment {
-    @builtin(position) pixel: vec4f,
+    @builtin(position) @invariant pixel: vec4f,
     @location(0) position: vec3f,
     @location(1) normal: vec3f,
     @location(2) texcoord: vec2f,
@@ -78,14 +78,26 @@ fn scene_vertex(vertex: VertexIn) -> SceneFragment {
     return fragment;
 }
 
+@vertex
+fn depth_vertex(@location(0) position: vec3f) -> @builtin(position) @invariant vec4f {
+    return projection.clip * vec4f(position, 1.0);
+}
+
+@fragment
+fn no_color() -> @location(0) vec4f {
+    return vec4f(0.0);
+}
+
+// Diffuse meshes, and the backs of mirrors.
 @fragment
 fn scene_color(fragment: SceneFragment) -> @location(0) vec4f {
-    let point = surface_point(fragment);
+    return vec4f(shade(surface_point(fragment), viewing_direction(fragment.pixel.xy)), 1.0);
+}
+
+@fragment
+fn stand_in_color(fragment: SceneFragment) -> @location(0) vec4f {
     let direction = normalize(viewing_direction(fragment.pixel.xy));
-    if objects[point.object - 1u].kind == DIFFUSE {
-        return vec4f(shade(point, direction), 1.0);
-    }
-    return vec4f(specular_stand_in(point, direction, projection.base.w), 1.0);
+    return vec4f(specular_stand_in(fragment.object, normalize(fragment.normal), direction, projection.base.w), 1.0);
 }
 
 @fragment

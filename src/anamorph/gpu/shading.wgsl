@@ -128,15 +128,10 @@ fn mirror_reflectance(number: u32, cosine: f32) -> vec3f {
     return object.tint * (object.parameter + (1.0 - object.parameter) * rest);
 }
 
-// A specular point where no reflection is drawn for it: a mirror of the sky alone, a glass that lets it through.
-fn specular_stand_in(point: SurfacePoint, direction: vec3f, spread: f32) -> vec3f {
-    let object = objects[point.object - 1u];
-    let cosine = dot(point.normal, direction);
-    if object.kind == GLASS {
-        return object.tint * sky_color(direction, spread);
+// The front of a specular point where no method draws it: a mirror of the sky alone, a glass that lets it through.
+fn specular_stand_in(number: u32, normal: vec3f, direction: vec3f, spread: f32) -> vec3f {
+    if objects[number - 1u].kind == GLASS {
+        return objects[number - 1u].tint * sky_color(direction, spread);
     }
-    if cosine >= 0.0 {
-        return shade(point, direction);
-    }
-    return mirror_reflectance(point.object, cosine) * sky_color(reflect(direction, point.normal), spread);
+    return mirror_reflectance(number, dot(normal, direction)) * sky_color(reflect(direction, normal), spread);
 }

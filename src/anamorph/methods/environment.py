@@ -66,10 +66,8 @@ class Options:
 
 def cube_projections(center: np.ndarray, near: float) -> list[Projection]:
     """The six views of a cube map around `center`."""
-    return [
-        pinhole_projection(center, *(np.array(axis, float) for axis in (forward, right, up)), near)
-        for right, up, forward in FACES
-    ]
+    axes = np.array(FACES, float)
+    return [pinhole_projection(center, forward, right, up, near) for right, up, forward in axes]
 
 
 def face_size(rays: RayMesh) -> int:
@@ -151,7 +149,7 @@ class CubeDrawing:
         if self._drawn and self._options.update == "once":
             return
         for item in self._reflectors:
-            faces = range(6)
+            faces = list(range(6))
             if self._options.update == "always":
                 faces = faces_needed(reflected_rays(item.mirror, camera, self._stage.view.size))
             for face in faces:

@@ -29,21 +29,14 @@ fn cube_place(direction: vec3f) -> CubePlace {
 fn environment_color(fragment: SceneFragment) -> @location(0) vec4f {
     let normal = normalize(fragment.normal);
     let direction = normalize(fragment.position - projection.eye.xyz);
-    let cosine = dot(normal, direction);
     let reflected = textureSample(cube_color, cube_sampler, reflect(direction, normal)).rgb;
-    if cosine >= 0.0 {
-        return vec4f(specular_stand_in(surface_point(fragment), direction, projection.base.w), 1.0);
-    }
-    return vec4f(mirror_reflectance(fragment.object, cosine) * reflected, 1.0);
+    return vec4f(mirror_reflectance(fragment.object, dot(normal, direction)) * reflected, 1.0);
 }
 
 @fragment
 fn environment_seen(fragment: SceneFragment) -> Seen {
     let normal = normalize(fragment.normal);
     let direction = normalize(fragment.position - projection.eye.xyz);
-    if dot(normal, direction) >= 0.0 {
-        return Seen(vec4f(fragment.position, f32(fragment.object)), seen_flags(0u, STATUS_DIRECT));
-    }
     let found = cube_place(reflect(direction, normal));
     let depth = textureLoad(cube_depth, map_texel(faces[found.face], found.place), found.face, 0);
     let point = map_point(faces[found.face], found.place, depth);

@@ -33,6 +33,7 @@ from anamorph.projection import MapFrame, Projection, map_frame, map_projection
 from anamorph.raymesh import RayMesh, RayStatus
 from anamorph.rays import Caster
 from anamorph.scene.camera import Camera
+from anamorph.scene.geometry import Geometry
 
 WIDEST = 4.0
 """Tangent of the half angle that a map may cover; vertices beyond it have no place in the map."""
@@ -41,6 +42,9 @@ FARTHEST = 1e4
 """How far away the sky is, in diagonals of the scene."""
 
 MAXIMUM_MAP = 4096
+
+MAXIMUM_LAYERS = 8
+"""How many surfaces of a mirror's rim a ray may pass through."""
 
 BALL_PIXELS = 18.0
 """Radius of the overlay's balls where nothing magnifies or reduces them."""
@@ -96,8 +100,33 @@ class MapPlan:
     distances: np.ndarray
 
 
+@dataclass(frozen=True, eq=False)
+class World:
+    """What vertex rays may hit.
+
+    Parameters
+    ----------
+    caster : Caster
+    face_object : (F,) uint32
+        The object of each triangle that it casts at.
+    corners : (8, 3) float64
+        Corners of a box around the scene.
+    """
+
+    caster: Caster
+    face_object: np.ndarray
+    corners: np.ndarray
+
+
+def world_of(geometry: Geometry) -> World:
+    """The world of a scene's geometry."""
+    low, high = geometry.positions.min(axis=0), geometry.positions.max(axis=0)
+    corners = np.stack(np.meshgrid(*np.stack([low, high], axis=1)), axis=-1).reshape(-1, 3).astype(float)
+    return World(Caster(geometry), geometry.face_object, corners)
+
+
 def plan_map(
-    mirror: Reflector, rays: RayMesh, caster: Caster, corners: np.ndarray, projective: bool = True
+    mirror: Reflector, rays: RayMesh, eye: np.ndarray, world: World, projective: bool = True
 ) -> MapPlan | None:
     """Find a mirror's virtual viewpoint, view volume and texture coordinates; None where its back is all one sees.
 
@@ -106,9 +135,9 @@ def plan_map(
     mirror : Reflector
     rays : RayMesh
         Its reflected rays (step 1).
-    caster : Caster
-    corners : (8, 3) float64
-        Corners of a box around the scene.
+    eye : (3,) float64
+    world : World
+        What the rays may hit.
     projective : bool
     """
     facing = rays.status == RayStatus.OK
@@ -116,9 +145,9 @@ def plan_map(
         return None
     directions = rays.unit_directions()
     frame = _map_frame(rays.origins[facing], directions[facing])
-    near_plane = _near_plane(mirror, facing)
-    distances = _hit_distances(rays.origins, directions, near_plane, caster)
-    sky = FARTHEST * float(np.linalg.norm(np.ptp(corners, axis=0)))
+    near_plane = _near_plane(mirror, rays.origins[facing], directions[facing], mirror.normals[facing], eye, world)
+    distances = _hit_distances(rays.origins, directions, near_plane, world.caster)
+    sky = FARTHEST * float(np.linalg.norm(np.ptp(world.corners, axis=0)))
     hits = rays.origins + np.minimum(distances, sky)[:, None] * directions
 
     # Step 3.2 and 3.3: where the lines from the viewpoint to the hits cross the projection plane.
@@ -142,7 +171,7 @@ def plan_map(
     lookups = np.column_stack([texcoords * weight[:, None], weight, valid])
     lookups[~valid, :2], lookups[~valid, 2] = 0.5, 1.0
     return MapPlan(
-        projection=map_projection(frame, bounds, near_plane, corners),
+        projection=map_projection(frame, bounds, near_plane, world.corners),
         lookups=lookups,
         texels=_texels(rays, texcoords, valid & facing, np.ptp(bounds, axis=0)),
         hits=hits,
@@ -167,16 +196,37 @@ def _map_frame(origins: np.ndarray, directions: np.ndarray) -> MapFrame:
     return map_frame(viewpoint, middle + radius * forward, axes)
 
 
-def _near_plane(mirror: Reflector, facing: np.ndarray) -> np.ndarray:
-    """The plane along the mirror just before its foremost vertex, (4,)."""
-    normal = mirror.normals[facing].mean(axis=0)
+def _near_plane(
+    mirror: Reflector, origins: np.ndarray, directions: np.ndarray, normals: np.ndarray, eye: np.ndarray, world: World
+) -> np.ndarray:
+    """The plane along the mirror just before its foremost vertex, and before what frames it, (4,).
+
+    A rim over the mirror's border hides vertices from the eye. It must not hide the scene from them as well: no one
+    sees where their rays meet the rim, but all that is interpolated towards it would be wrong.
+    """
+    normal = normals.mean(axis=0)
     normal /= np.linalg.norm(normal)
-    heights = mirror.positions[facing] @ normal
-    clearance = 1e-4 * float(np.linalg.norm(np.ptp(mirror.positions, axis=0)))
-    return np.append(normal, -(heights.max() + clearance))
+    diagonal = float(np.linalg.norm(np.ptp(mirror.positions, axis=0)))
+    top = float((origins @ normal).max())
+
+    caster = world.caster
+    sight = caster.cast(np.broadcast_to(eye, origins.shape), origins - eye)
+    hidden = (sight.triangle >= 0) & (sight.distance < 1.0 - 1e-4)
+    hider = world.face_object[sight.triangle]
+    start = np.full(len(origins), caster.near)
+    for _ in range(MAXIMUM_LAYERS):
+        hits = caster.cast(origins, directions, start)
+        framed = hidden & (hits.distance < diagonal) & (world.face_object[hits.triangle] == hider)
+        if not framed.any():
+            break
+        start = np.where(framed, hits.distance + caster.near, start)
+        top = max(top, float(((origins + start[:, None] * directions) @ normal)[framed].max()))
+    return np.append(normal, -(top + 1e-4 * diagonal))
 
 
-def _hit_distances(origins: np.ndarray, directions: np.ndarray, near_plane: np.ndarray, caster: Caster) -> np.ndarray:
+def _hit_distances(
+    origins: np.ndarray, directions: np.ndarray, near_plane: np.ndarray, caster: Caster
+) -> np.ndarray:
     """Step 3.1: how far each ray goes to the scene beyond the near plane; infinite where it sees the sky."""
     rise = directions @ near_plane[:3]
     behind = -(origins @ near_plane[:3] + near_plane[3])
@@ -260,9 +310,7 @@ class PerVertexDrawing:
         self._stage, self._options = stage, options
         layout = _layout()
         self._reflectors = [_WarpedReflector(stage, index, options, layout) for index in stage.buffers.specular]
-        self._caster = Caster(stage.geometry)
-        low, high = stage.geometry.positions.min(axis=0), stage.geometry.positions.max(axis=0)
-        self._corners = np.stack(np.meshgrid(*np.stack([low, high], axis=1)), axis=-1).reshape(-1, 3).astype(float)
+        self._world = world_of(stage.geometry)
         module = shader_module("gpu/map.wgsl", "methods/pervertex.wgsl")
         self._color = make_pipeline(
             module,
@@ -286,13 +334,13 @@ class PerVertexDrawing:
         """Steps 1 to 3: plan and draw each mirror's map."""
         for item in self._reflectors:
             rays = reflected_rays(item.mirror, camera, self._stage.view.size)
-            plan = plan_map(item.mirror, rays, self._caster, self._corners, self._options.projective)
+            plan = plan_map(item.mirror, rays, np.asarray(camera.position), self._world, self._options.projective)
             item.plan = None
             if plan is None:
                 continue
             if item.overlay is not None:
                 item.overlay.place(plan.hits, _ball_radii(plan, rays, camera, self._stage.view.size))
-            balls = item.overlay and item.overlay.draw_balls
+            balls = None if item.overlay is None else item.overlay.draw_balls
             item.update(plan).draw_color(encoder, self._stage.buffers, (item.index,), balls)
 
     def prepare_seen(self, encoder: wgpu.GPUCommandEncoder) -> None:

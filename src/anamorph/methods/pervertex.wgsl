@@ -35,17 +35,12 @@ fn inside_map(place: vec2f, valid: f32) -> bool {
 fn reflector_color(fragment: ReflectorFragment) -> @location(0) vec4f {
     let place = fragment.lookup.xy / fragment.lookup.z;
     let reflected = textureSample(map_color, map_sampler, place).rgb;
-    var point: SurfacePoint;
-    point.position = fragment.position;
-    point.normal = normalize(fragment.normal);
-    point.color = vec3f(1.0);
-    point.object = fragment.object;
+    let normal = normalize(fragment.normal);
     let direction = normalize(fragment.position - projection.eye.xyz);
-    let cosine = dot(point.normal, direction);
-    if cosine >= 0.0 || !inside_map(place, fragment.lookup.w) {
-        return vec4f(specular_stand_in(point, direction, projection.base.w), 1.0);
+    if !inside_map(place, fragment.lookup.w) {
+        return vec4f(specular_stand_in(fragment.object, normal, direction, projection.base.w), 1.0);
     }
-    return vec4f(mirror_reflectance(fragment.object, cosine) * reflected, 1.0);
+    return vec4f(mirror_reflectance(fragment.object, dot(normal, direction)) * reflected, 1.0);
 }
 
 @fragment
@@ -53,9 +48,6 @@ fn reflector_seen(fragment: ReflectorFragment) -> Seen {
     let place = fragment.lookup.xy / fragment.lookup.z;
     let normal = normalize(fragment.normal);
     let direction = normalize(fragment.position - projection.eye.xyz);
-    if dot(normal, direction) >= 0.0 {
-        return Seen(vec4f(fragment.position, f32(fragment.object)), seen_flags(0u, STATUS_DIRECT));
-    }
     if !inside_map(place, fragment.lookup.w) {
         return Seen(vec4f(reflect(direction, normal), 0.0), seen_flags(fragment.object, STATUS_OUTSIDE));
     }

@@ -100,7 +100,8 @@ fn path_color(pixel: vec2u) -> vec3f {
         down = beside(pixel, vec2i(0, -1), path);
     }
     let spread = max(length(right.direction - path.direction), length(down.direction - path.direction));
-    if path.triangle < 0 {
+    // A path that has met too many specular surfaces goes on as if nothing followed.
+    if path.triangle < 0 || ((path.flags >> 16u) & 0xFFu) == STATUS_OUTSIDE {
         return path.throughput * sky_color(path.direction, spread);
     }
     let first = 3u * u32(path.triangle);
@@ -125,10 +126,7 @@ fn path_color(pixel: vec2u) -> vec3f {
     point.texcoord_dy = texcoord_change(triangle, path, down);
     point.color = weights.x * color_of(a) + weights.y * color_of(b) + weights.z * color_of(c);
     point.object = a.object;
-    if objects[point.object - 1u].kind == DIFFUSE {
-        return path.throughput * shade(point, path.direction);
-    }
-    return path.throughput * specular_stand_in(point, path.direction, spread);
+    return path.throughput * shade(point, path.direction);
 }
 
 @fragment

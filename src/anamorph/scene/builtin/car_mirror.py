@@ -97,7 +97,10 @@ def rounded_rectangle(half_width: float, half_height: float, corner: float, arc:
 
 
 def housing(sphere: Sphere) -> Shape:
-    """A dark frame whose inner edge lies a little before the border of the glass, and the shell behind it."""
+    """A dark frame whose bevelled inner edge lies just before the border of the glass, and the shell behind it.
+
+    The bevel leans outward by more than the widest reflected ray, as on a real mirror: the glass does not show its frame.
+    """
     wide, high = GLASS_SIZE[0] / 2, GLASS_SIZE[1] / 2
     rings = [
         (0.030, 0.030, 0.012, -0.085),
@@ -105,10 +108,10 @@ def housing(sphere: Sphere) -> Shape:
         (wide * 0.98, high * 0.98, 0.04, -0.05),
         (wide + 0.012, high + 0.012, 0.036, -0.02),
         (wide + 0.014, high + 0.014, 0.034, 0.0),
-        (wide + 0.012, high + 0.012, 0.032, 0.006),
-        (wide + 0.006, high + 0.006, 0.028, 0.009),
-        (wide - 0.002, high - 0.002, 0.024, 0.008),
-        (wide - 0.005, high - 0.005, 0.022, 0.0015),
+        (wide + 0.0125, high + 0.0125, 0.032, 0.0055),
+        (wide + 0.009, high + 0.009, 0.029, 0.0075),
+        (wide + 0.006, high + 0.006, 0.026, 0.007),
+        (wide - 0.003, high - 0.003, 0.022, 0.001),
     ]
     outline = [on_sphere(sphere, rounded_rectangle(w, h, r), lift) for w, h, r, lift in rings]
     outline.insert(0, np.broadcast_to(outline[0].mean(axis=0), outline[0].shape))

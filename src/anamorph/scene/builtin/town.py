@@ -168,7 +168,7 @@ def walls(modules: int, storeys: int) -> Shape:
     parts.append(creased(ridge, np.array([[0, 1, 2]]), texcoords=corner))
     parts.append(creased(np.add(ridge, (width, 0, 0)), np.array([[0, 2, 1]]), texcoords=corner))
     parts.append(box((0, foot - 0.12, 0), (width, foot + 0.14, 0.16), "+x-x+y-y+z", trim))
-    parts.append(box((0, top - 0.25, 0), (width, top + 0.1, 0.38), "+x-x+y-y+z", trim))
+    parts.append(box((0, top - 0.48, 0), (width, top - 0.23, 0.39), "+x-x+y-y+z", trim))
     return join(parts)
 
 
@@ -186,14 +186,13 @@ def shop_row(modules: int, first: int) -> Shape:
 
 
 def roof(modules: int, storeys: int) -> Shape:
-    """Two slopes over a house, standing out beyond its walls."""
-    width, depth, eaves = modules * MODULE, 10.0, 0.4
-    top = PAVEMENT_HEIGHT + SHOP_HEIGHT + storeys * STOREY + 0.12
-    drop = 3.0 / (depth / 2) * eaves
-    slope = depth / 2 + eaves
+    """Two slopes over a house; the one to the street stands out beyond its ledge."""
+    width, depth, eaves, rise = modules * MODULE, 10.0, 0.4, 3.0
+    top = PAVEMENT_HEIGHT + SHOP_HEIGHT + storeys * STOREY + 0.005
+    drop = rise / (depth / 2) * eaves
     image = (0.0, 0.0, width / 3, 2.0)
-    front = grid((0, top - drop, eaves), (width, 0, 0), (0, 3.0 + drop, -slope), image=image)
-    back = grid((width, top - drop, -depth - eaves), (-width, 0, 0), (0, 3.0 + drop, slope), image=image)
+    front = grid((0, top - drop, eaves), (width, 0, 0), (0, rise + drop, -depth / 2 - eaves), image=image)
+    back = grid((width, top, -depth), (-width, 0, 0), (0, rise, depth / 2), image=image)
     return join([front, back])
 
 

@@ -25,6 +25,9 @@ from anamorph.scene.geometry import Geometry
 WIDEST = 4.0
 """Tangent of the half angle that a map may cover; vertices beyond it have no place in the map."""
 
+NARROWINGS = 4
+"""How often the rays that a map cannot hold are left out of its mean direction."""
+
 FARTHEST = 1e4
 """How far away the sky is, in diagonals of the scene."""
 
@@ -101,10 +104,10 @@ def plan_map(
     if not facing.any():
         return None
     directions = rays.unit_directions()
-    weights = _pixel_weights(rays, facing)
+    weights = _narrowed(_pixel_weights(rays, facing), directions[facing])
     frame = _map_frame(rays.origins[facing], directions[facing], weights)
-    normal = weights @ mirror.normals[facing]
-    near_plane = _near_plane(normal / np.linalg.norm(normal), rays.origins[facing], directions[facing], eye, world)
+    normal = _near_normal(weights, mirror.normals[facing], directions[facing], frame)
+    near_plane = _near_plane(normal, rays.origins[facing], directions[facing], eye, world)
     distances = _hit_distances(rays.origins, directions, near_plane, world.caster)
     sky = FARTHEST * float(np.linalg.norm(np.ptp(world.corners, axis=0)))
     hits = rays.origins + np.minimum(distances, sky)[:, None] * directions
@@ -125,7 +128,7 @@ def plan_map(
     # q is the depth of a ray as long as the eye's distance. On a flat mirror that is the vertex's own depth in the
     # virtual camera; on a curved one it follows the rays between vertices about three times closer than that depth.
     weight = rays.directions @ frame.axes[2]
-    if not projective or weight.min() <= 0.0:
+    if not projective or weight[valid].min() <= 0.0:
         weight = np.ones(len(weight))
     lookups = np.column_stack([texcoords * weight[:, None], weight, valid])
     lookups[~valid, :2], lookups[~valid, 2] = 0.5, 1.0
@@ -146,6 +149,18 @@ def _pixel_weights(rays: RayMesh, facing: np.ndarray) -> np.ndarray:
     return areas / areas.sum() if areas.sum() > 0.0 else np.full(len(areas), 1.0 / len(areas))
 
 
+def _narrowed(weights: np.ndarray, directions: np.ndarray) -> np.ndarray:
+    """The weights without the rays that no map around the others' mean direction can hold."""
+    narrowed = weights
+    for _ in range(NARROWINGS):
+        forward = narrowed @ directions
+        held = directions @ forward > np.linalg.norm(forward) / np.hypot(1.0, WIDEST)
+        if held.all() or not (weights * held).any():
+            break
+        narrowed = weights * held / (weights @ held)
+    return narrowed
+
+
 def _map_frame(origins: np.ndarray, directions: np.ndarray, weights: np.ndarray) -> MapFrame:
     """Step 2: the virtual viewpoint (3.2), and an image plane across the mean direction, before the mirror (3.3)."""
     forward = weights @ directions
@@ -161,6 +176,13 @@ def _map_frame(origins: np.ndarray, directions: np.ndarray, weights: np.ndarray)
         # Converging rays, of a concave mirror, meet before it: see the scene from the mirror itself instead.
         viewpoint = np.append(middle, 1.0)
     return map_frame(viewpoint, middle + radius * forward, axes)
+
+
+def _near_normal(weights: np.ndarray, normals: np.ndarray, directions: np.ndarray, frame: MapFrame) -> np.ndarray:
+    """Where the near plane faces: as the mirror does, or across the view where the mirror bends rays behind itself."""
+    normal = weights @ normals
+    normal /= np.linalg.norm(normal)
+    return normal if (directions[weights > 0.0] @ normal).min() > 0.0 else frame.axes[2]
 
 
 def _near_plane(

@@ -131,12 +131,7 @@ def map_projection(frame: MapFrame, bounds: np.ndarray, near_plane: np.ndarray, 
     """
     center, half = bounds.mean(axis=0), np.ptp(bounds, axis=0) / 2.0
     x, y, w = frame.matrix()
-    depth = np.concatenate([corners, np.ones((len(corners), 1))], axis=1)
-    ahead = (depth @ near_plane > 0.0) & (depth @ w > 0.0)
-    # Depth is 1 - steepness (n.p + c) / w, so that it reaches 0 no nearer than the scene's farthest corner.
-    steepness = np.min(depth[ahead] @ w / (depth[ahead] @ near_plane), initial=np.inf)
-    if not np.isfinite(steepness):
-        steepness = 1.0
+    steepness = _steepness(frame, bounds, near_plane, corners)
     clip = np.stack([(x - center[0] * w) / half[0], (y - center[1] * w) / half[1], w - steepness * near_plane, w])
     right, up, forward = frame.axes
     # The line through the image-plane point (X, Y) runs along (k X - a, k Y - b, 1) in the frame's axes.
@@ -152,3 +147,19 @@ def map_projection(frame: MapFrame, bounds: np.ndarray, near_plane: np.ndarray, 
         up=frame.convergence * half[1] * up,
         eye=frame.center,
     )
+
+
+def _steepness(frame: MapFrame, bounds: np.ndarray, near_plane: np.ndarray, corners: np.ndarray) -> float:
+    """The s at which depth, 1 - s (n.p + c) / w, reaches 0 just where the view volume leaves the scene's box.
+
+    On every line of the view volume that ratio grows with the height over the image plane, and at one height it is
+    linear: so the greatest stands at a corner of the volume's far end.
+    """
+    far = float(((corners - frame.center) @ frame.axes[2]).max())
+    w = 1.0 + frame.convergence * far
+    x, y = np.meshgrid(*bounds.T)
+    places = np.stack([x.ravel(), y.ravel()], axis=1) * w - far * frame.slope
+    ends = frame.center + places @ frame.axes[:2] + far * frame.axes[2]
+    height = float((ends @ near_plane[:3] + near_plane[3]).max())
+    # A little less than that, so that rounding clips nothing there.
+    return 0.999 * w / height if far > 0.0 and height > 0.0 else 1.0

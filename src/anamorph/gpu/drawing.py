@@ -132,9 +132,7 @@ def _scene_pipelines(
 @cache
 def color_pipelines(samples: int = 1, mirrored: bool = False) -> ScenePipelines:
     """Shaded colour; `mirrored` for projections whose pictures are left-handed, as a cube map's faces are."""
-    return _scene_pipelines(
-        "scene_color", "stand_in_color", "sky_color_fragment", (COLOR_FORMAT,), samples, mirrored
-    )
+    return _scene_pipelines("scene_color", "stand_in_color", "sky_color_fragment", (COLOR_FORMAT,), samples, mirrored)
 
 
 @cache

@@ -19,8 +19,8 @@ from anamorph.gpu.drawing import make_pipeline, shader_module
 from anamorph.gpu.maps import make_cube, map_sampler
 from anamorph.gpu.reflectors import draw_reflector
 from anamorph.gpu.targets import COLOR_FORMAT, SEEN_FORMATS
-from anamorph.methods.pervertex import PerVertexDrawing
 from anamorph.methods.pervertex import Options as PerVertexOptions
+from anamorph.methods.pervertex import PerVertexDrawing
 from anamorph.methods.protocol import Method, Session
 from anamorph.methods.session import DrawingSession, Stage
 from anamorph.optics.reflection import reflected_rays, reflector

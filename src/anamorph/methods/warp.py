@@ -211,9 +211,7 @@ def _near_plane(
     return np.append(normal, -(top + 1e-4 * diagonal))
 
 
-def _hit_distances(
-    origins: np.ndarray, directions: np.ndarray, near_plane: np.ndarray, caster: Caster
-) -> np.ndarray:
+def _hit_distances(origins: np.ndarray, directions: np.ndarray, near_plane: np.ndarray, caster: Caster) -> np.ndarray:
     """Step 3.1: how far each ray goes to the scene beyond the near plane; infinite where it sees the sky."""
     rise = directions @ near_plane[:3]
     behind = -(origins @ near_plane[:3] + near_plane[3])

@@ -13,8 +13,8 @@ import wgpu
 
 from anamorph.errors import AnamorphError
 from anamorph.frame import View
+from anamorph.gpu.bindings import SAMPLER, STORAGE, bind, layout_of, texture
 from anamorph.gpu.buffers import storage_buffer
-from anamorph.gpu.device import get_device
 from anamorph.gpu.drawing import make_pipeline, shader_module
 from anamorph.gpu.maps import make_cube, map_sampler
 from anamorph.gpu.reflectors import draw_reflector
@@ -127,14 +127,12 @@ class _CubeReflector:
         uniforms = np.concatenate([projection.uniform((size, size)) for projection in projections])
         assert uniforms.nbytes == 6 * UNIFORM_BYTES
         resources = [
-            {"buffer": storage_buffer(uniforms)},
+            storage_buffer(uniforms),
             self.maps[0].color.textures[0].create_view(dimension="cube"),
             map_sampler(),
             self.maps[0].depth.textures[0].create_view(dimension="2d-array"),
         ]
-        self.group = get_device().create_bind_group(
-            layout=layout, entries=[{"binding": i, "resource": r} for i, r in enumerate(resources)]
-        )
+        self.group = bind(layout, resources)
 
     def rays(self, camera: Camera, size: tuple[int, int]) -> list[RayMesh]:
         """The ray mesh of each of its meshes."""
@@ -146,7 +144,7 @@ class CubeDrawing:
 
     def __init__(self, stage: Stage, options: Options) -> None:
         self._stage, self._options = stage, options
-        layout = _layout()
+        layout = layout_of(STORAGE, texture("cube"), SAMPLER, texture("2d-array", filterable=False))
         self._reflectors = [_CubeReflector(stage, group, options, layout) for group in reflectors(stage.view.scene)]
         self.replaced = stage.buffers.specular
         self._drawn = False
@@ -197,22 +195,6 @@ class CubeDrawing:
     def rays(self) -> None:
         """The method knows directions, not rays."""
         return None
-
-
-def _layout() -> wgpu.GPUBindGroupLayout:
-    stage = wgpu.ShaderStage.FRAGMENT
-    return get_device().create_bind_group_layout(
-        entries=[
-            {"binding": 0, "visibility": stage, "buffer": {"type": "read-only-storage"}},
-            {"binding": 1, "visibility": stage, "texture": {"view_dimension": "cube"}},
-            {"binding": 2, "visibility": stage, "sampler": {}},
-            {
-                "binding": 3,
-                "visibility": stage,
-                "texture": {"sample_type": "unfilterable-float", "view_dimension": "2d-array"},
-            },
-        ]
-    )
 
 
 def _check_flat(view: View) -> None:

@@ -11,7 +11,7 @@ from anamorph.gpu.device import get_device
 
 COLOR_FORMAT = "rgba16float"
 DEPTH_FORMAT = "depth32float"
-SEEN_FORMATS = ("rgba32float", "r32uint")
+SEEN_FORMATS = ("rgba32float", "r32uint", "r32float")
 MAP_FORMATS = ("rgba32float",)
 
 _USAGE = wgpu.TextureUsage.RENDER_ATTACHMENT | wgpu.TextureUsage.TEXTURE_BINDING | wgpu.TextureUsage.COPY_SRC
@@ -94,6 +94,7 @@ def read_texture(texture: wgpu.GPUTexture) -> np.ndarray:
         "rgba16float": (np.float16, 4),
         "rgba32float": (np.float32, 4),
         "r32uint": (np.uint32, 1),
+        "r32float": (np.float32, 1),
     }
     dtype, channels = kinds[texture.format]
     width, height, _ = texture.size

@@ -15,9 +15,8 @@ from anamorph.errors import AnamorphError
 from anamorph.frame import View
 from anamorph.gpu.bindings import SAMPLER, STORAGE, bind, layout_of, texture
 from anamorph.gpu.buffers import storage_buffer
-from anamorph.gpu.drawing import make_pipeline, shader_module
+from anamorph.gpu.drawing import draw_mesh, make_pipeline, shader_module
 from anamorph.gpu.maps import make_cube, map_sampler
-from anamorph.gpu.reflectors import draw_reflector
 from anamorph.gpu.targets import COLOR_FORMAT, SEEN_FORMATS
 from anamorph.methods.pervertex import Options as PerVertexOptions
 from anamorph.methods.pervertex import PerVertexDrawing
@@ -190,7 +189,7 @@ class CubeDrawing:
         for item in self._reflectors:
             render_pass.set_bind_group(2, item.group)
             for index in item.indices:
-                draw_reflector(render_pass, self._stage.buffers, index)
+                draw_mesh(render_pass, self._stage.buffers, index)
 
     def rays(self) -> None:
         """The method knows directions, not rays."""

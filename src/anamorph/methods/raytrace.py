@@ -82,7 +82,7 @@ class TracedDrawing:
             stage.view.scene, stage.geometry, Caster(stage.geometry), options.bounces, options.truth
         )
         self._layout = layout_of(UNIFORM, STORAGE, STORAGE, STORAGE)
-        module = shader_module("methods/raytrace.wgsl")
+        module = shader_module("gpu/vertices.wgsl", "methods/raytrace.wgsl")
         self._color = self._pipeline(module, "traced_color", (COLOR_FORMAT,))
         self._seen = self._pipeline(module, "traced_seen", SEEN_FORMATS)
         self._bands: list[_Band] = []

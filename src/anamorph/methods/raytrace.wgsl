@@ -1,4 +1,4 @@
-// The ray-traced reference: hits that the CPU found, coloured by the shading that every method uses. Follows scene.wgsl.
+// The ray-traced reference: hits that the CPU found, coloured by the shading that every method uses. Follows vertices.wgsl.
 
 struct Rectangle {
     corner: vec2u,
@@ -19,14 +19,6 @@ struct PathEnd {
     padding: vec2f,
 }
 
-struct StoredVertex {
-    x: f32, y: f32, z: f32,
-    normal_x: f32, normal_y: f32, normal_z: f32,
-    u: f32, v: f32,
-    color_red_green: u32, color_blue: u32,
-    object: u32,
-}
-
 @group(2) @binding(0) var<uniform> rectangle: Rectangle;
 @group(2) @binding(1) var<storage, read> paths: array<PathEnd>;
 @group(2) @binding(2) var<storage, read> vertices: array<StoredVertex>;
@@ -44,22 +36,6 @@ struct Triangle {
 fn path_number(pixel: vec2u) -> u32 {
     let place = pixel - rectangle.corner;
     return place.y * rectangle.size.x + place.x;
-}
-
-fn position_of(vertex: StoredVertex) -> vec3f {
-    return vec3f(vertex.x, vertex.y, vertex.z);
-}
-
-fn normal_of(vertex: StoredVertex) -> vec3f {
-    return vec3f(vertex.normal_x, vertex.normal_y, vertex.normal_z);
-}
-
-fn texcoord_of(vertex: StoredVertex) -> vec2f {
-    return vec2f(vertex.u, vertex.v);
-}
-
-fn color_of(vertex: StoredVertex) -> vec3f {
-    return vec3f(unpack2x16unorm(vertex.color_red_green), unpack2x16unorm(vertex.color_blue).x);
 }
 
 // The path of a pixel beside this one by `step`, if it takes the same way: its ray is then this pixel's footprint.
@@ -139,8 +115,8 @@ fn traced_seen(@builtin(position) pixel: vec4f) -> Seen {
     let path = paths[path_number(vec2u(pixel.xy))];
     let flags = path.flags & 0xFFFFFFu;
     if path.triangle < 0 {
-        return Seen(vec4f(path.direction, 0.0), flags);
+        return Seen(vec4f(path.direction, 0.0), flags, 0.0);
     }
     let object = vertices[indices[3u * u32(path.triangle)]].object;
-    return Seen(vec4f(path.origin + path.distance * path.direction, f32(object)), flags);
+    return Seen(vec4f(path.origin + path.distance * path.direction, f32(object)), flags, 0.0);
 }

@@ -107,7 +107,7 @@ class DrawingSession:
         self._drawing.draw_seen(render_pass)
         render_pass.end()
         submit(encoder)
-        point, flags = (read_texture(texture) for texture in target.textures)
+        point, flags, deviation = (read_texture(texture) for texture in target.textures)
         origin, direction = self._drawing.rays() or (None, None)
         return Frame(
             color=color,
@@ -115,6 +115,7 @@ class DrawingSession:
             object_id=point[..., 3].astype(np.uint32),
             specular=flags & 0xFFFF,
             status=(flags >> 16).astype(np.uint8),
+            deviation=deviation,
             ray_origin=origin,
             ray_direction=direction,
         )

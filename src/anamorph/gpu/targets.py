@@ -71,9 +71,12 @@ def _layer_view(texture: wgpu.GPUTexture, layer: int) -> wgpu.GPUTextureView:
     return texture.create_view(dimension="2d", base_array_layer=layer, array_layer_count=1, mip_level_count=1)
 
 
-def begin_pass(encoder: wgpu.GPUCommandEncoder, target: Target, clear: bool = True) -> wgpu.GPURenderPassEncoder:
-    """Begin drawing into `target`, cleared to nothing or kept."""
+def begin_pass(
+    encoder: wgpu.GPUCommandEncoder, target: Target, clear: bool = True, keep_depth: bool = False
+) -> wgpu.GPURenderPassEncoder:
+    """Begin drawing into `target`, cleared to nothing or kept; its depth likewise, or kept in any case."""
     load = "clear" if clear else "load"
+    depth_load = "clear" if clear and not keep_depth else "load"
     colors = [
         {
             "view": view,
@@ -84,7 +87,7 @@ def begin_pass(encoder: wgpu.GPUCommandEncoder, target: Target, clear: bool = Tr
         }
         for view, texture in zip(target.attachments, target.textures, strict=True)
     ]
-    depth = {"view": target.depth, "depth_clear_value": 0.0, "depth_load_op": load, "depth_store_op": "store"}
+    depth = {"view": target.depth, "depth_clear_value": 0.0, "depth_load_op": depth_load, "depth_store_op": "store"}
     return encoder.begin_render_pass(color_attachments=colors, depth_stencil_attachment=depth)
 
 

@@ -17,7 +17,7 @@ from anamorph.gpu.bindings import SAMPLER, STORAGE, bind, layout_of, texture
 from anamorph.gpu.buffers import storage_buffer
 from anamorph.gpu.drawing import draw_mesh, make_pipeline, shader_module
 from anamorph.gpu.maps import make_cube, map_sampler
-from anamorph.gpu.targets import COLOR_FORMAT, SEEN_FORMATS
+from anamorph.gpu.targets import COLOR_FORMAT, SEEN_FORMATS, Target
 from anamorph.methods.pervertex import Options as PerVertexOptions
 from anamorph.methods.pervertex import PerVertexDrawing
 from anamorph.methods.protocol import Method, Session
@@ -169,6 +169,9 @@ class CubeDrawing:
             for face in sorted(faces):
                 item.maps[face].draw_color(encoder, self._stage.buffers, item.indices)
         self._drawn = True
+
+    def complete(self, target: Target, camera: Camera, shift: tuple[float, float]) -> None:
+        """There is nothing to mend."""
 
     def prepare_seen(self, encoder: wgpu.GPUCommandEncoder) -> None:
         """Draw what the cube maps see, for the seen buffers."""

@@ -7,7 +7,7 @@ mirror with it (step 4) are here. Deviation: the map is as fine as the picture t
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import wgpu
@@ -17,10 +17,11 @@ from anamorph.frame import View
 from anamorph.gpu.bindings import SAMPLER, STORAGE, UNIFORM, bind, layout_of, texture
 from anamorph.gpu.buffers import storage_buffer
 from anamorph.gpu.device import get_device, maximum_size
-from anamorph.gpu.drawing import make_pipeline, shader_module
+from anamorph.gpu.drawing import make_pipeline, shader_module, submit
 from anamorph.gpu.maps import Map, make_map, map_sampler
 from anamorph.gpu.overlay import Overlay
-from anamorph.gpu.targets import COLOR_FORMAT, SEEN_FORMATS
+from anamorph.gpu.targets import COLOR_FORMAT, SEEN_FORMATS, Target, begin_pass, make_texture, read_texture
+from anamorph.methods.mend import Mender, doubtful_tiles
 from anamorph.methods.protocol import Method, Session
 from anamorph.methods.session import DrawingSession, Stage
 from anamorph.methods.warp import MapPlan, plan_map, world_of
@@ -31,6 +32,9 @@ from anamorph.scene.camera import Camera
 MAXIMUM_MAP = 4096
 
 MAXIMUM_REFINEMENTS = 16
+REFINEMENTS_BEFORE_TRACING = 3
+
+ERROR_FORMAT = "r32float"
 
 BALL_PIXELS = 18.0
 """Radius of the overlay's balls where nothing magnifies or reduces them."""
@@ -52,6 +56,9 @@ class Options:
         Whether texture coordinates are projective; false is the paper's plain (s, t).
     refine : int
         Steps that each fragment takes through the map towards what its own ray meets; 0 is the paper.
+    tolerance : float
+        Pixels: where what a fragment shows may be further than this from what it should, its tile of the picture is
+        traced. 0 traces nothing. At least three refinements go before.
     overlay : bool
         Whether to draw the mirror's wireframe and a ball at each vertex ray's hit, as the paper's Figure 1.
     """
@@ -61,6 +68,7 @@ class Options:
     resolution: float = 1.0
     projective: bool = True
     refine: int = 0
+    tolerance: float = 0.0
     overlay: bool = False
 
 
@@ -124,7 +132,9 @@ class PerVertexDrawing:
         self._world = world_of(stage.geometry)
         module = shader_module("gpu/vertices.wgsl", "gpu/map.wgsl", "methods/pervertex.wgsl")
 
-        def pipeline(fragment: str, formats: tuple[str, ...], samples: int = 1) -> wgpu.GPURenderPipeline:
+        def pipeline(
+            fragment: str, formats: tuple[str, ...], samples: int = 1, depth_compare: str = "greater"
+        ) -> wgpu.GPURenderPipeline:
             return make_pipeline(
                 module,
                 "reflector_vertex",
@@ -134,9 +144,15 @@ class PerVertexDrawing:
                 groups=(layout,),
                 samples=samples,
                 cull="back",
+                depth_compare=depth_compare,
                 constants={"REFINEMENTS": options.refine},
             )
 
+        self._mender: Mender | None = None
+        if options.tolerance > 0.0:
+            self._mender = Mender(stage, self._world.caster)
+            self._errors = make_texture(stage.view.size, ERROR_FORMAT)
+            self._error = pipeline("reflector_error", (ERROR_FORMAT,), depth_compare="equal")
         self._color = pipeline("reflector_color", (COLOR_FORMAT,), options.antialias)
         self._seen = pipeline("reflector_seen", SEEN_FORMATS)
 
@@ -149,7 +165,14 @@ class PerVertexDrawing:
         """Steps 1 to 3: plan and draw each mirror's map."""
         for item in self._reflectors:
             rays = reflected_rays(item.mirror, camera, self._stage.view.size)
-            plan = plan_map(item.mirror, rays, np.asarray(camera.position), self._world, self._options.projective)
+            plan = plan_map(
+                item.mirror,
+                rays,
+                np.asarray(camera.position),
+                self._world,
+                self._options.projective,
+                keep_rim=self._mender is not None,
+            )
             item.plan = None
             if plan is None:
                 continue
@@ -159,6 +182,21 @@ class PerVertexDrawing:
             target = item.update(plan)
             draw = target.draw_color_and_depth if self._options.refine else target.draw_color
             draw(encoder, self._stage.buffers, (item.index,), balls)
+
+    def complete(self, target: Target, camera: Camera, shift: tuple[float, float]) -> None:
+        """Have those tiles traced in which some fragment may be wrong by more than the tolerance."""
+        if self._mender is None:
+            return
+        encoder = get_device().create_command_encoder()
+        errors = replace(target, textures=(self._errors,), attachments=(self._errors.create_view(),))
+        render_pass = begin_pass(encoder, errors, keep_depth=True)
+        render_pass.set_bind_group(0, self._stage.buffers.shading)
+        render_pass.set_bind_group(1, self._stage.projection.group)
+        self._draw(render_pass, self._error)
+        render_pass.end()
+        submit(encoder)
+        self._mender.trace(doubtful_tiles(read_texture(self._errors), self._options.tolerance), camera, shift)
+        self._mender.draw_over(target, self._stage.projection)
 
     def prepare_seen(self, encoder: wgpu.GPUCommandEncoder) -> None:
         """Draw what the maps see, for the seen buffers."""
@@ -177,6 +215,8 @@ class PerVertexDrawing:
     def draw_seen(self, render_pass: wgpu.GPURenderPassEncoder) -> None:
         """The mirrors' seen buffers."""
         self._draw(render_pass, self._seen)
+        if self._mender is not None:
+            self._mender.draw_seen(render_pass)
 
     def _draw(self, render_pass: wgpu.GPURenderPassEncoder, pipeline: wgpu.GPURenderPipeline) -> None:
         render_pass.set_pipeline(pipeline)
@@ -199,6 +239,12 @@ def open_session(view: View, options: Options) -> Session:
         raise AnamorphError(f"pervertex: resolution is {options.resolution:g}; give a number from 0.01 to 16")
     if not 0 <= options.refine <= MAXIMUM_REFINEMENTS:
         raise AnamorphError(f"pervertex: refine is {options.refine}; give a number from 0 to {MAXIMUM_REFINEMENTS}")
+    if not 0.0 <= options.tolerance < float("inf"):
+        raise AnamorphError(f"pervertex: tolerance is {options.tolerance:g}; give a number of pixels from 0")
+    if options.tolerance > 0.0:
+        if options.antialias > 1:
+            raise AnamorphError("pervertex: tolerance needs antialias=1; give more samples for a smooth picture")
+        options = replace(options, refine=max(options.refine, REFINEMENTS_BEFORE_TRACING))
     stage = Stage(view)
     return DrawingSession(stage, PerVertexDrawing(stage, options), options.antialias)
 

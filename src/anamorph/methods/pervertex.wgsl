@@ -167,3 +167,59 @@ fn reflector_seen(fragment: ReflectorFragment) -> Seen {
     }
     return Seen(found.point, seen_flags(fragment.object, status), found.deviation);
 }
+
+// The ray's points at which map and ray are compared for what stands between.
+const PROBES = 16;
+const NEAREST_PROBE = 1e-3;
+const FARTHEST_PROBE = 1e4;
+const UNKNOWN = 1e6;
+
+// Whether the ray passes behind something as the map sees it, before it reaches what was found: what the map cannot
+// tell then is whether it passes behind or through.
+fn hidden_on_the_way(ray: TrueRay, found: Lookup) -> bool {
+    let end = select(length(found.point.xyz - ray.origin), FARTHEST_PROBE, found.point.w == 0.0);
+    let ratio = pow(end / NEAREST_PROBE, 1.0 / f32(PROBES));
+    var along = NEAREST_PROBE;
+    var hidden = false;
+    for (var probe = 0; probe < PROBES - 1; probe++) {
+        along *= ratio;
+        let clip = map_projection.clip * vec4f(ray.origin + along * ray.direction, 1.0);
+        let place = clip.xy / clip.w * vec2f(0.5, -0.5) + 0.5;
+        let depth = textureLoad(map_depth, map_texel(map_projection, place), 0);
+        let inside = clip.w > 0.0 && clip.z < clip.w && all(place >= vec2f(0.0)) && all(place <= vec2f(1.0));
+        // Depth is reversed: the map sees something nearer than the ray where its depth is greater.
+        hidden = hidden || (inside && depth.x > clip.z / clip.w * 1.001 + 2.0 * (abs(depth.y) + abs(depth.z)));
+    }
+    return hidden;
+}
+
+// How many pixels of the picture what a fragment shows is away from what it should show; UNKNOWN where it cannot say.
+@fragment
+fn reflector_error(fragment: ReflectorFragment) -> @location(0) f32 {
+    let ray = true_ray(fragment);
+    let start = fragment.lookup.xy / fragment.lookup.z;
+    let found = refine(start, ray);
+    let sky = found.point.w == 0.0;
+    let offset = found.point.xyz - ray.origin;
+    let distance = max(length(offset), 1e-12);
+    let toward = select(offset / distance, found.point.xyz, sky);
+    let nearness = select(1.0 / distance, 0.0, sky);
+    let right = dpdx(ray.direction) + nearness * dpdx(ray.origin);
+    let down = dpdy(ray.direction) + nearness * dpdy(ray.origin);
+    // The step in the picture by which the ray would turn to what is shown, by least squares.
+    let miss = toward - ray.direction;
+    let normal_equations = vec3f(dot(right, right), dot(right, down), dot(down, down));
+    let determinant = max(
+        normal_equations.x * normal_equations.z - normal_equations.y * normal_equations.y,
+        1e-6 * normal_equations.x * normal_equations.z + 1e-30
+    );
+    let sides = vec2f(dot(right, miss), dot(down, miss));
+    let step = vec2f(
+        normal_equations.z * sides.x - normal_equations.y * sides.y,
+        normal_equations.x * sides.y - normal_equations.y * sides.x
+    ) / determinant;
+    let specular = !sky && objects[u32(max(found.point.w, 1.0)) - 1u].kind != DIFFUSE;
+    let known = inside_map(start, fragment.lookup.w) && dot(toward, ray.direction) > 0.0 && !specular
+        && !hidden_on_the_way(ray, found);
+    return select(UNKNOWN, length(step), known);
+}

@@ -14,6 +14,7 @@ import wgpu
 
 from anamorph.errors import AnamorphError
 from anamorph.frame import View
+from anamorph.gpu.targets import Target
 from anamorph.methods.bounces import WORDS
 from anamorph.methods.paths import PathTracer, Rectangle, specular_rectangle
 from anamorph.methods.protocol import Method, Session
@@ -71,6 +72,9 @@ class TracedDrawing:
             part = records[(top - y0) * width : (bottom - y0) * width]
             self._bands[self._used].write(np.array([[x0, top]]), (width, bottom - top), part)
             self._used += 1
+
+    def complete(self, target: Target, camera: Camera, shift: tuple[float, float]) -> None:
+        """There is nothing to mend."""
 
     def prepare_seen(self, encoder: wgpu.GPUCommandEncoder) -> None:
         """The paths carry all that the seen buffers need."""

@@ -86,7 +86,7 @@ def world_of(geometry: Geometry) -> World:
 
 
 def plan_map(
-    mirror: Reflector, rays: RayMesh, eye: np.ndarray, world: World, projective: bool = True
+    mirror: Reflector, rays: RayMesh, eye: np.ndarray, world: World, projective: bool = True, keep_rim: bool = False
 ) -> MapPlan | None:
     """Find a mirror's virtual viewpoint, view volume and texture coordinates; None where its back is all one sees.
 
@@ -99,6 +99,8 @@ def plan_map(
     world : World
         What the rays may hit.
     projective : bool
+    keep_rim : bool
+        Whether the map shows what frames the mirror; the vertex rays pass through it in any case.
     """
     facing = rays.status == RayStatus.OK
     if not facing.any():
@@ -107,8 +109,8 @@ def plan_map(
     weights = _narrowed(_pixel_weights(rays, facing), directions[facing])
     frame = _map_frame(rays.origins[facing], directions[facing], weights)
     normal = _near_normal(weights, mirror.normals[facing], directions[facing], frame)
-    near_plane = _near_plane(normal, rays.origins[facing], directions[facing], eye, world)
-    distances = _hit_distances(rays.origins, directions, near_plane, world.caster)
+    near_plane, rim_plane = _near_planes(normal, rays.origins[facing], directions[facing], eye, world)
+    distances = _hit_distances(rays.origins, directions, rim_plane, world.caster)
     sky = FARTHEST * float(np.linalg.norm(np.ptp(world.corners, axis=0)))
     hits = rays.origins + np.minimum(distances, sky)[:, None] * directions
 
@@ -133,7 +135,7 @@ def plan_map(
     lookups = np.column_stack([texcoords * weight[:, None], weight, valid])
     lookups[~valid, :2], lookups[~valid, 2] = 0.5, 1.0
     return MapPlan(
-        projection=map_projection(frame, bounds, near_plane, world.corners),
+        projection=map_projection(frame, bounds, near_plane if keep_rim else rim_plane, world.corners),
         lookups=lookups,
         texels=_texels(rays, texcoords, valid & facing, np.ptp(bounds, axis=0)),
         hits=hits,
@@ -185,16 +187,16 @@ def _near_normal(weights: np.ndarray, normals: np.ndarray, directions: np.ndarra
     return normal if (directions[weights > 0.0] @ normal).min() > 0.0 else frame.axes[2]
 
 
-def _near_plane(
+def _near_planes(
     normal: np.ndarray, origins: np.ndarray, directions: np.ndarray, eye: np.ndarray, world: World
-) -> np.ndarray:
-    """The plane along the mirror just before its foremost vertex, and before what frames it, (4,).
+) -> tuple[np.ndarray, np.ndarray]:
+    """The planes along the mirror just before its foremost vertex, and just before what frames it, (4,) each.
 
     A rim over the mirror's border hides vertices from the eye. It must not hide the scene from them as well: no one
     sees where their rays meet the rim, but all that is interpolated towards it would be wrong.
     """
     diagonal = float(np.linalg.norm(np.ptp(origins, axis=0)))
-    top = float((origins @ normal).max())
+    foremost = top = float((origins @ normal).max())
 
     caster = world.caster
     sight = caster.cast(np.broadcast_to(eye, origins.shape), origins - eye)
@@ -208,7 +210,8 @@ def _near_plane(
             break
         start = np.where(framed, hits.distance + caster.near, start)
         top = max(top, float(((origins + start[:, None] * directions) @ normal)[framed].max()))
-    return np.append(normal, -(top + 1e-4 * diagonal))
+    clearance = 1e-4 * diagonal
+    return np.append(normal, -(foremost + clearance)), np.append(normal, -(top + clearance))
 
 
 def _hit_distances(origins: np.ndarray, directions: np.ndarray, near_plane: np.ndarray, caster: Caster) -> np.ndarray:

@@ -24,7 +24,7 @@ struct ReflectorMesh {
 @group(2) @binding(7) var<storage, read> lookups: array<vec4f>;
 
 struct ReflectorFragment {
-    @builtin(position) pixel: vec4f,
+    @builtin(position) @invariant pixel: vec4f,
     @location(0) position: vec3f,
     @location(1) lookup: vec4f,
     @location(2) @interpolate(flat) object: u32,
@@ -169,7 +169,8 @@ fn reflector_seen(fragment: ReflectorFragment) -> Seen {
 }
 
 // The ray's points at which map and ray are compared for what stands between.
-const PROBES = 16;
+const PROBES = 8;
+// As a share of the way.
 const NEAREST_PROBE = 1e-3;
 const FARTHEST_PROBE = 1e4;
 const UNKNOWN = 1e6;
@@ -178,10 +179,10 @@ const UNKNOWN = 1e6;
 // tell then is whether it passes behind or through.
 fn hidden_on_the_way(ray: TrueRay, found: Lookup) -> bool {
     let end = select(length(found.point.xyz - ray.origin), FARTHEST_PROBE, found.point.w == 0.0);
-    let ratio = pow(end / NEAREST_PROBE, 1.0 / f32(PROBES));
-    var along = NEAREST_PROBE;
+    let ratio = pow(NEAREST_PROBE, -1.0 / f32(PROBES));
+    var along = NEAREST_PROBE * end / ratio;
     var hidden = false;
-    for (var probe = 0; probe < PROBES - 1; probe++) {
+    for (var probe = 0; probe < PROBES; probe++) {
         along *= ratio;
         let clip = map_projection.clip * vec4f(ray.origin + along * ray.direction, 1.0);
         let place = clip.xy / clip.w * vec2f(0.5, -0.5) + 0.5;

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache
+from typing import Any
 
 import numpy as np
 import wgpu
@@ -82,7 +84,6 @@ def shading_layout() -> wgpu.GPUBindGroupLayout:
 
 def upload_scene(scene: Scene, geometry: Geometry) -> SceneBuffers:
     """Copy a scene to the device."""
-    device = get_device()
     textures = _distinct_textures(scene)
     resources = [
         {"buffer": storage_buffer(_lighting(scene))},
@@ -98,11 +99,14 @@ def upload_scene(scene: Scene, geometry: Geometry) -> SceneBuffers:
         first_vertex=geometry.first_vertex,
         first_face=geometry.first_face,
         specular=tuple(i for i, mesh in enumerate(scene.meshes) if mesh.specular),
-        shading=device.create_bind_group(
-            layout=shading_layout(),
-            entries=[{"binding": i, "resource": resource} for i, resource in enumerate(resources)],
-        ),
+        shading=bind_group(shading_layout(), resources),
     )
+
+
+def bind_group(layout: wgpu.GPUBindGroupLayout, resources: Sequence[Any]) -> wgpu.GPUBindGroup:
+    """Texture views, samplers and {"buffer": ...} under the bindings 0, 1, 2 and so on."""
+    entries = [{"binding": i, "resource": resource} for i, resource in enumerate(resources)]
+    return get_device().create_bind_group(layout=layout, entries=entries)
 
 
 def storage_buffer(data: np.ndarray, usage: int = 0) -> wgpu.GPUBuffer:

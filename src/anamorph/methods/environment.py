@@ -13,7 +13,7 @@ import wgpu
 
 from anamorph.errors import AnamorphError
 from anamorph.frame import View
-from anamorph.gpu.buffers import storage_buffer
+from anamorph.gpu.buffers import bind_group, storage_buffer
 from anamorph.gpu.device import get_device
 from anamorph.gpu.drawing import make_pipeline, shader_module
 from anamorph.gpu.maps import make_cube, map_sampler
@@ -119,9 +119,7 @@ class _CubeReflector:
             map_sampler(),
             self.maps[0].depth.textures[0].create_view(dimension="2d-array"),
         ]
-        self.group = get_device().create_bind_group(
-            layout=layout, entries=[{"binding": i, "resource": r} for i, r in enumerate(resources)]
-        )
+        self.group = bind_group(layout, resources)
 
 
 class CubeDrawing:
@@ -134,15 +132,14 @@ class CubeDrawing:
         self.replaced = stage.buffers.specular
         self._drawn = False
         module = shader_module("gpu/map.wgsl", "methods/environment.wgsl")
-        self._color = make_pipeline(
-            module,
-            "scene_vertex",
-            "environment_color",
-            (COLOR_FORMAT,),
-            groups=(layout,),
-            samples=options.antialias,
-        )
-        self._seen = make_pipeline(module, "scene_vertex", "environment_seen", SEEN_FORMATS, groups=(layout,))
+
+        def pipeline(fragment: str, formats: tuple[str, ...], samples: int = 1) -> wgpu.GPURenderPipeline:
+            return make_pipeline(
+                module, "scene_vertex", fragment, formats, groups=(layout,), samples=samples, cull="back"
+            )
+
+        self._color = pipeline("environment_color", (COLOR_FORMAT,), options.antialias)
+        self._seen = pipeline("environment_seen", SEEN_FORMATS)
 
     def prepare(self, encoder: wgpu.GPUCommandEncoder, camera: Camera, shift: tuple[float, float]) -> None:
         """Draw each mirror's cube map, all of it once, or every time the faces that the frame needs."""

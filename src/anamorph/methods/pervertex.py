@@ -18,7 +18,7 @@ import wgpu
 
 from anamorph.errors import AnamorphError
 from anamorph.frame import View
-from anamorph.gpu.buffers import storage_buffer
+from anamorph.gpu.buffers import bind_group, storage_buffer
 from anamorph.gpu.device import get_device, maximum_size
 from anamorph.gpu.drawing import make_pipeline, shader_module
 from anamorph.gpu.maps import Map, make_map, map_sampler
@@ -295,9 +295,7 @@ class _WarpedReflector:
                 map_sampler(),
                 self.map.depth.textures[0].create_view(),
             ]
-            self.group = get_device().create_bind_group(
-                layout=self._layout, entries=[{"binding": i, "resource": r} for i, r in enumerate(resources)]
-            )
+            self.group = bind_group(self._layout, resources)
         self.map.write(plan.projection)
         get_device().queue.write_buffer(self.lookups, 0, plan.lookups.astype(np.float32))
         return self.map
@@ -312,18 +310,15 @@ class PerVertexDrawing:
         self._reflectors = [_WarpedReflector(stage, index, options, layout) for index in stage.buffers.specular]
         self._world = world_of(stage.geometry)
         module = shader_module("gpu/map.wgsl", "methods/pervertex.wgsl")
-        self._color = make_pipeline(
-            module,
-            "reflector_vertex",
-            "reflector_color",
-            (COLOR_FORMAT,),
-            buffers=REFLECTOR_BUFFERS,
-            groups=(layout,),
-            samples=options.antialias,
-        )
-        self._seen = make_pipeline(
-            module, "reflector_vertex", "reflector_seen", SEEN_FORMATS, buffers=REFLECTOR_BUFFERS, groups=(layout,)
-        )
+
+        def pipeline(fragment: str, formats: tuple[str, ...], samples: int = 1) -> wgpu.GPURenderPipeline:
+            return make_pipeline(
+                module, "reflector_vertex", fragment, formats,
+                buffers=REFLECTOR_BUFFERS, groups=(layout,), samples=samples, cull="back",
+            )  # fmt: skip
+
+        self._color = pipeline("reflector_color", (COLOR_FORMAT,), options.antialias)
+        self._seen = pipeline("reflector_seen", SEEN_FORMATS)
 
     @property
     def replaced(self) -> tuple[int, ...]:

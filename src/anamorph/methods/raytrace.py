@@ -14,6 +14,7 @@ import wgpu
 
 from anamorph.errors import AnamorphError
 from anamorph.frame import View
+from anamorph.gpu.buffers import bind_group
 from anamorph.gpu.device import get_device
 from anamorph.gpu.drawing import make_pipeline, shader_module
 from anamorph.gpu.targets import COLOR_FORMAT, SEEN_FORMATS
@@ -55,10 +56,7 @@ class _Band:
             size=capacity * RECORD_BYTES, usage=wgpu.BufferUsage.STORAGE | wgpu.BufferUsage.COPY_DST
         )
         buffers = [self._rectangle, self._paths, stage.buffers.vertices, stage.buffers.indices]
-        self._group = device.create_bind_group(
-            layout=layout,
-            entries=[{"binding": i, "resource": {"buffer": buffer}} for i, buffer in enumerate(buffers)],
-        )
+        self._group = bind_group(layout, [{"buffer": buffer} for buffer in buffers])
         self._place = (0, 0, 0, 0)
 
     def write(self, place: tuple[int, int, int, int], records: np.ndarray) -> None:

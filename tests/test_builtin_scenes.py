@@ -36,8 +36,10 @@ def exact(part) -> tuple[Surface, np.ndarray]:
 
 def image(part) -> np.ndarray:
     """The pixels of a mesh's texture; none where it has no texture."""
-    textured = isinstance(part.material, Diffuse) and part.material.texture is not None
-    return part.material.texture.pixels if textured else np.zeros((0, 0, 4), np.uint8)
+    material = part.material
+    if isinstance(material, Diffuse) and material.texture is not None:
+        return material.texture.pixels
+    return np.zeros((0, 0, 4), np.uint8)
 
 
 def face_normals(positions, faces):

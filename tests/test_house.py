@@ -123,6 +123,6 @@ def test_the_lock_carries_a_hash_for_every_package_and_names_every_dependency() 
 def test_shaders_and_page_templates_are_package_data() -> None:
     patterns = tomllib.loads((ROOT / "pyproject.toml").read_text())["tool"]["setuptools"]["package-data"]["anamorph"]
     packed = {path for pattern in patterns for path in PACKAGE.glob(pattern)}
-    found = {path for path in PACKAGE.rglob("*") if path.is_file() and "__pycache__" not in path.parts}
-    others = {path for path in found if path.suffix not in (".py", ".typed")}
+    files = (path for path in PACKAGE.rglob("*") if path.is_file() and "__pycache__" not in path.parts)
+    others = {path for path in files if path.suffix not in (".py", ".typed")}
     assert others <= packed, "some files would be left out of the wheel"

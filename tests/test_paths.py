@@ -221,20 +221,22 @@ def test_concave_sphere_follows_the_law_and_does_not_hit_itself():
     assert (mesh.status == RayStatus.OK).all()
 
 
-def test_patches_bend_at_the_patch_and_pass_each_other():
+@pytest.mark.parametrize(("bowl", "eye"), [(-1.0, (0.7, 0.4, -0.6)), (1.0, (-0.7, 0.1, -1.2))])
+def test_patches_bend_at_the_patch_and_pass_each_other(bowl, eye):
     x, y = np.meshgrid(np.arange(4) / 3.0, np.arange(4) / 3.0, indexing="ij")
-    saddle = [BezierPatch(np.stack([x + dx, y - 0.5, 0.5 * (x + dx) ** 2 - 0.5 * y**2], axis=-1)) for dx in (-1, 0)]
+    halves = [BezierPatch(np.stack([x + dx, y - 0.5, np.zeros((4, 4))], axis=-1)) for dx in (-1, 0)]
     # Cubic control points of one smooth surface, cut in two at x = 0.
-    for surface, dx in zip(saddle, (-1, 0), strict=True):
+    for surface, dx in zip(halves, (-1, 0), strict=True):
         blossom_x = np.array([dx**2, dx**2 + 2 * dx / 3, dx**2 + 4 * dx / 3 + 1 / 3, (dx + 1) ** 2])
-        blossom_y = np.array([0.0, 0.0, 1 / 3, 1.0])
-        surface.control[..., 2] = 0.5 * blossom_x[:, None] - 0.5 * blossom_y[None, :] - 2.0
-    meshes = [patch(surface, (0, 0), (1, 1), 4, f"patch {i}") for i, surface in enumerate(saddle)]
-    camera = Camera((0.7, 0.4, -0.6), (0.0, 0.0, -2.0), field_of_view=80)
+        blossom_y = np.array([0.25, -1 / 12, -1 / 12, 0.25])
+        surface.control[..., 2] = 0.5 * blossom_x[:, None] + 0.5 * bowl * blossom_y[None, :] - 2.0
+    meshes = [patch(surface, (0, 0), (1, 1), 4, f"patch {i}") for i, surface in enumerate(halves)]
+    camera = Camera(eye, (0.0, 0.0, -2.0), field_of_view=80)
     out = trace([box(), *meshes], camera)
     incident, checked = pixel_rays(camera), 0
-    for number, surface in enumerate(saddle, start=2):
+    for number, surface in enumerate(halves, start=2):
         on = (out.specular == number) & (out.bounces == 1)
+        # No ray ends at the back of the mesh that stands before its own surface or its neighbour's.
         assert not np.isin(out.end_object[on], [2, 3]).any()
         start = np.stack([out.origin[on, 0] - (number - 3), out.origin[on, 1] + 0.5], axis=-1)
         place, normal, ok = intersect(surface, np.tile(camera.position, (on.sum(), 1)), incident[on], start)

@@ -23,10 +23,11 @@ from anamorph.methods.pervertex import PerVertexDrawing
 from anamorph.methods.pervertex import Options as PerVertexOptions
 from anamorph.methods.protocol import Method, Session
 from anamorph.methods.session import DrawingSession, Stage
-from anamorph.optics.reflection import Reflector, reflected_rays, reflector
+from anamorph.optics.reflection import reflected_rays, reflector
 from anamorph.projection import UNIFORM_BYTES, Projection, pinhole_projection
 from anamorph.raymesh import RayMesh, RayStatus
 from anamorph.scene.camera import Camera
+from anamorph.scene.model import Scene
 
 DEFAULT_FACE, MAXIMUM_FACE = 1024, 4096
 """Texels along an edge that a cube map takes at most by itself, and when asked."""
@@ -99,14 +100,26 @@ def faces_needed(rays: RayMesh) -> list[int]:
     return needed
 
 
-class _CubeReflector:
-    """One mirror and the cube map around it."""
+def reflectors(scene: Scene) -> list[tuple[int, ...]]:
+    """Indices of the specular meshes, those of one reflector together: names that agree before the first "/"."""
+    groups: dict[str, list[int]] = {}
+    for index, mesh in enumerate(scene.meshes):
+        if mesh.specular:
+            groups.setdefault(mesh.name.split("/")[0], []).append(index)
+    return [tuple(group) for group in groups.values()]
 
-    def __init__(self, stage: Stage, index: int, options: Options, layout: wgpu.GPUBindGroupLayout) -> None:
-        self.index = index
-        self.mirror: Reflector = reflector(stage.view.scene.meshes[index])
-        low, high = self.mirror.positions.min(axis=0), self.mirror.positions.max(axis=0)
-        size = options.face or face_size(reflected_rays(self.mirror, stage.view.camera, stage.view.size))
+
+class _CubeReflector:
+    """One reflector, of one or more meshes, and the cube map around it."""
+
+    def __init__(
+        self, stage: Stage, indices: tuple[int, ...], options: Options, layout: wgpu.GPUBindGroupLayout
+    ) -> None:
+        self.indices = indices
+        self._mirrors = [reflector(stage.view.scene.meshes[index]) for index in indices]
+        positions = np.concatenate([mirror.positions for mirror in self._mirrors])
+        low, high = positions.min(axis=0), positions.max(axis=0)
+        size = options.face or max(face_size(rays) for rays in self.rays(stage.view.camera, stage.view.size))
         self.maps = make_cube(size)
         projections = cube_projections((low + high) / 2.0, near=1e-3 * float(np.linalg.norm(high - low)))
         for face, projection in zip(self.maps, projections, strict=True):
@@ -121,6 +134,10 @@ class _CubeReflector:
         ]
         self.group = bind_group(layout, resources)
 
+    def rays(self, camera: Camera, size: tuple[int, int]) -> list[RayMesh]:
+        """The ray mesh of each of its meshes."""
+        return [reflected_rays(mirror, camera, size) for mirror in self._mirrors]
+
 
 class CubeDrawing:
     """Draws every mirror of a scene by cube maps. See `SpecularDrawing`."""
@@ -128,7 +145,7 @@ class CubeDrawing:
     def __init__(self, stage: Stage, options: Options) -> None:
         self._stage, self._options = stage, options
         layout = _layout()
-        self._reflectors = [_CubeReflector(stage, index, options, layout) for index in stage.buffers.specular]
+        self._reflectors = [_CubeReflector(stage, group, options, layout) for group in reflectors(stage.view.scene)]
         self.replaced = stage.buffers.specular
         self._drawn = False
         module = shader_module("gpu/map.wgsl", "methods/environment.wgsl")
@@ -146,18 +163,18 @@ class CubeDrawing:
         if self._drawn and self._options.update == "once":
             return
         for item in self._reflectors:
-            faces = list(range(6))
+            faces = set(range(6))
             if self._options.update == "always":
-                faces = faces_needed(reflected_rays(item.mirror, camera, self._stage.view.size))
-            for face in faces:
-                item.maps[face].draw_color(encoder, self._stage.buffers, (item.index,))
+                faces = {face for rays in item.rays(camera, self._stage.view.size) for face in faces_needed(rays)}
+            for face in sorted(faces):
+                item.maps[face].draw_color(encoder, self._stage.buffers, item.indices)
         self._drawn = True
 
     def prepare_seen(self, encoder: wgpu.GPUCommandEncoder) -> None:
         """Draw what the cube maps see, for the seen buffers."""
         for item in self._reflectors:
             for face in item.maps:
-                face.draw_depth(encoder, self._stage.buffers, (item.index,))
+                face.draw_depth(encoder, self._stage.buffers, item.indices)
 
     def draw_color(self, render_pass: wgpu.GPURenderPassEncoder) -> None:
         """The mirrors, with their cube maps."""
@@ -171,7 +188,8 @@ class CubeDrawing:
         render_pass.set_pipeline(pipeline)
         for item in self._reflectors:
             render_pass.set_bind_group(2, item.group)
-            draw_reflector(render_pass, self._stage.buffers, item.index)
+            for index in item.indices:
+                draw_reflector(render_pass, self._stage.buffers, index)
 
     def rays(self) -> None:
         """The method knows directions, not rays."""

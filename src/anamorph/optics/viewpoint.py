@@ -12,20 +12,27 @@ PARALLEL = 1e-9
 """Below this mean squared sine of the angles between the rays, nothing in them tells how far the viewpoint is."""
 
 
-def normal_equations(origins: np.ndarray, directions: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def normal_equations(
+    origins: np.ndarray, directions: np.ndarray, weights: np.ndarray | None = None
+) -> tuple[np.ndarray, np.ndarray]:
     """Matrix (3, 3) and right side (3,) of the least-squares point of lines: mean(I - d d^T) x = mean((I - d d^T) o).
 
     Parameters
     ----------
     origins, directions : (N, 3) float64
         Points on the lines, and unit vectors along them.
+    weights : (N,) float64, optional
+        How much each line counts, in sum 1; all the same by default.
     """
+    shares = np.full(len(origins), 1.0 / len(origins)) if weights is None else weights
     along = np.einsum("ni,ni->n", directions, origins)
-    matrix = np.eye(3) - directions.T @ directions / len(directions)
-    return matrix, (origins - along[:, None] * directions).mean(axis=0)
+    matrix = np.eye(3) - (shares[:, None] * directions).T @ directions
+    return matrix, shares @ (origins - along[:, None] * directions)
 
 
-def virtual_viewpoint(origins: np.ndarray, directions: np.ndarray) -> np.ndarray:
+def virtual_viewpoint(
+    origins: np.ndarray, directions: np.ndarray, weights: np.ndarray | None = None
+) -> np.ndarray:
     """The homogeneous least-squares point (x, y, z, w) of lines, (4,) float64; w is 0 for parallel lines.
 
     Scaled so that the first three components are finite, and that w > 0 for a point behind the rays' origins.
@@ -34,12 +41,14 @@ def virtual_viewpoint(origins: np.ndarray, directions: np.ndarray) -> np.ndarray
     ----------
     origins, directions : (N, 3) float64
         Points on the lines, and unit vectors along them.
+    weights : (N,) float64, optional
+        How much each line counts, in sum 1; all the same by default.
     """
     center = origins.mean(axis=0)
-    matrix, right_side = normal_equations(origins - center, directions)
+    matrix, right_side = normal_equations(origins - center, directions, weights)
     values, vectors = np.linalg.eigh(matrix)
     # The eigenvector of the least eigenvalue runs along the rays: the one direction that may be undetermined.
-    along = vectors[:, 0] * np.sign(vectors[:, 0] @ directions.mean(axis=0) or 1.0)
+    along = vectors[:, 0] * np.sign(vectors[:, 0] @ directions.sum(axis=0) or 1.0)
     across = vectors[:, 1:]
     sideways = across @ ((across.T @ right_side) / values[1:])
     # Solving values[0] * distance = -(along . right_side) for the distance behind the centre, as a ratio.

@@ -81,13 +81,14 @@ def load_parts(path: str | Path, scale: float = 1.0) -> tuple[Part, ...]:
 def _quiet() -> Iterator[None]:
     """Keep what trimesh logs, and numpy warns of on its behalf, off the terminal: the checks after it say more."""
     logger = logging.getLogger("trimesh")
-    before, logger.disabled = logger.disabled, True
+    before = logger.level
+    logger.setLevel(logging.CRITICAL + 1)
     try:
         with warnings.catch_warnings(), np.errstate(all="ignore"):
             warnings.simplefilter("ignore")
             yield
     finally:
-        logger.disabled = before
+        logger.setLevel(before)
 
 
 def _parse(data: bytes, path: Path) -> trimesh.Scene:

@@ -85,7 +85,7 @@ def glass(sphere: Sphere) -> Mesh:
     )
 
 
-def rounded_rectangle(half_width: float, half_height: float, corner: float, arc: int = 7) -> np.ndarray:
+def rounded_rectangle(half_width: float, half_height: float, corner: float, arc: int = 9) -> np.ndarray:
     """An outline, (4 arc, 2), counter-clockwise."""
     quarter = np.linspace(0, np.pi / 2, arc)
     arcs = []
@@ -99,7 +99,7 @@ def rounded_rectangle(half_width: float, half_height: float, corner: float, arc:
 def housing(sphere: Sphere) -> Shape:
     """A dark frame whose bevelled inner edge lies just before the border of the glass, and the shell behind it.
 
-    The bevel leans outward by more than the widest reflected ray, as on a real mirror: the glass does not show its frame.
+    The bevel leans outward by more than the widest reflected ray, as on a real mirror: the glass does not show it.
     """
     wide, high = GLASS_SIZE[0] / 2, GLASS_SIZE[1] / 2
     rings = [

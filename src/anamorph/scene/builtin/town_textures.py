@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import cache
+
 import numpy as np
 from PIL import Image, ImageDraw
 
@@ -24,6 +26,7 @@ SIGNS = ("HOTEL", "BAR", "BANK", "TAXI", "POST", "ZOO 2", "CINEMA", "DENTIST")
 PLATES = ("AN 2007", "KT 4936", "GC 1049", "TN 8800")
 
 
+@cache
 def road() -> Texture:
     """Asphalt across the whole road, 11 m by 12 m: edge lines, dashed centre line, parking bays."""
     width, height = 1024, 1024
@@ -62,6 +65,7 @@ def crossing() -> Texture:
     return texture(image)
 
 
+@cache
 def pavement() -> Texture:
     """Concrete slabs, 2 m by 2 m."""
     image = mottled((256, 256), (158, 154, 146), 13, (4, 16, 64), 4.0)

@@ -26,8 +26,9 @@ from anamorph.frame import Status, View
 from anamorph.gpu.device import get_device
 from anamorph.measure.errors import measure, silhouettes
 from anamorph.methods import pervertex
-from anamorph.methods.pervertex import Options, plan_map, world_of
+from anamorph.methods.pervertex import Options
 from anamorph.methods.session import Stage
+from anamorph.methods.warp import plan_map, world_of
 from anamorph.optics.reflection import reflected_rays, reflector
 from anamorph.scene.builtin.shapes import box, globe, join, lattice
 from anamorph.scene.camera import Camera
@@ -65,10 +66,15 @@ def twin(scene, camera):
     points = mesh.surface.position(mesh.parameters)
     incident = (points - eye) / np.linalg.norm(points - eye, axis=1, keepdims=True)
     reflected = incident - 2.0 * np.sum(incident * normals, axis=1, keepdims=True) * normals
-    # 3.2: least squares over the stacked equations of the lines
-    across = np.eye(3) - reflected[:, :, None] * reflected[:, None, :]
+    # 3.2: least squares over the stacked equations of the lines, each as often as there are pixels around its vertex
+    x, y = pixels_of(camera, SIZE, points).T
+    pixels = np.zeros(len(points))
+    for a, b, c in mesh.faces:
+        pixels[[a, b, c]] += abs(x[a] * (y[b] - y[c]) + x[b] * (y[c] - y[a]) + x[c] * (y[a] - y[b]))
+    across = np.sqrt(pixels)[:, None, None] * (np.eye(3) - reflected[:, :, None] * reflected[:, None, :])
     right_side = np.einsum("nij,nj->ni", across, points).ravel()
     viewpoint = np.linalg.lstsq(across.reshape(-1, 3), right_side, rcond=None)[0]
+    forward = pixels @ reflected
     # (3.1): nearest triangle, by Cramer's rule on all of them
     hits = np.full(points.shape, np.nan)
     best = np.full(len(points), np.inf)
@@ -83,12 +89,12 @@ def twin(scene, camera):
             found = (u >= 0) & (v >= 0) & (u + v <= 1) & (t > 1e-4) & (t < best)
             best[found] = t[found]
             hits[found] = (points + t[:, None] * reflected)[found]
-    return points, reflected, viewpoint, hits
+    return points, reflected, viewpoint, forward / np.linalg.norm(forward), hits
 
 
 def test_the_plan_is_the_papers_steps_in_double_precision():
     rays, plan, _ = plan_of(CURVED)
-    points, reflected, viewpoint, hits = twin(CURVED, CAMERA)
+    points, reflected, viewpoint, forward, hits = twin(CURVED, CAMERA)
     assert rays.origins == pytest.approx(points, abs=1e-12)
     assert rays.unit_directions() == pytest.approx(reflected, abs=1e-12)
 
@@ -99,9 +105,7 @@ def test_the_plan_is_the_papers_steps_in_double_precision():
     # (3.2) and (3.3): the projection plane of the plan, and the line from the twin's viewpoint to the hit.
     axes = np.stack([plan.projection.right, plan.projection.up])
     axes /= np.linalg.norm(axes, axis=1, keepdims=True)
-    forward = np.cross(axes[1], axes[0])
-    forward *= np.sign(forward @ reflected.mean(axis=0))
-    assert forward == pytest.approx(reflected.mean(axis=0) / np.linalg.norm(reflected.mean(axis=0)), abs=1e-9)
+    assert np.cross(*axes) == pytest.approx(-forward, abs=1e-9)
     lines = plan.hits - viewpoint
     crossing = viewpoint + (((plan.projection.eye - viewpoint) @ forward) / (lines @ forward))[:, None] * lines
     places = (crossing - plan.projection.eye) @ axes.T

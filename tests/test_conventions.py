@@ -12,7 +12,6 @@ from scenes import CENTER, drawn, scene_with, spherical_mirror
 
 from anamorph.errors import AnamorphError
 from anamorph.frame import Status, View
-from anamorph.gpu.textures import srgb_to_linear
 from anamorph.methods import METHODS
 from anamorph.optics.laws import reflect
 from anamorph.optics.reflection import reflected_rays, reflector
@@ -21,6 +20,7 @@ from anamorph.scene import builtin
 from anamorph.scene.builtin.shapes import grid
 from anamorph.scene.camera import Camera
 from anamorph.scene.model import AmbientLight, Diffuse, Mirror, Scene, Texture
+from anamorph.srgb import decode_srgb
 
 CAMERA = Camera((0.0, 0.0, 3.0), (0.0, 0.0, 0.0), field_of_view=40.0)
 SIZE = (80, 60)
@@ -98,7 +98,7 @@ def test_matrices_act_on_columns_and_are_transposed_for_the_device():
     projection = camera_projection(CAMERA, SIZE)
     words = projection.uniform(SIZE)
     assert words.dtype == np.float32
-    assert words[:16].reshape(4, 4).T == pytest.approx(projection.clip, rel=1e-6)
+    assert pytest.approx(projection.clip, rel=1e-6) == words[:16].reshape(4, 4).T
     assert projection.clip @ [0.0, 0.0, 0.0, 1.0] == pytest.approx([0.0, 0.0, 3e-3, 3.0])
 
 
@@ -119,7 +119,7 @@ def test_colours_are_linear_but_in_textures_which_are_srgb(frame):
     ambient = (AmbientLight((1, 1, 1), (1, 1, 1)),)
     textured = replace(quad(), material=Diffuse((1, 1, 1), grey))
     plain = replace(quad(), material=Diffuse((0.5, 0.5, 0.5)))
-    for mesh, expected in [(textured, srgb_to_linear(np.array(128 / 255))), (plain, 0.5)]:
+    for mesh, expected in [(textured, decode_srgb(np.array(128 / 255))), (plain, 0.5)]:
         color = drawn(Scene("grey", (mesh,), CAMERA, ambient), "pervertex", SIZE).color[30, 40]
         assert color == pytest.approx(np.full(3, expected), abs=1e-3)
     assert frame.color.dtype == np.float32

@@ -13,12 +13,12 @@ from anamorph.errors import AnamorphError
 from anamorph.output import (
     PICTURES,
     check_output,
-    encode_srgb,
     save_array,
     save_picture,
     save_text,
     whole_file,
 )
+from anamorph.srgb import encode_srgb
 
 PICTURE = np.linspace(0.0, 1.0, 4 * 5 * 3, dtype=np.float32).reshape(4, 5, 3)
 

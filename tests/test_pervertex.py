@@ -153,7 +153,7 @@ def test_every_vertex_shows_the_hit_of_its_own_ray(specification):
         camera = replace(CAMERA, target=tuple(point.tolist()))
         session.draw(camera, (0.5, 0.5))
         seen = session.frame(seen=True)
-        _, plan, world = plan_of(CURVED, camera)
+        _, plan, _ = plan_of(CURVED, camera)
         x, y = SIZE[0] // 2 - 1, SIZE[1] // 2 - 1
         assert seen.specular[y, x] == 1
         if not np.isfinite(plan.distances[vertex]):
@@ -428,7 +428,9 @@ def test_the_overlay_shows_a_red_ball_behind_every_vertex():
     mirror = CURVED.meshes[0]
     _, plan, _ = plan_of(CURVED, size=size)
     places = pixels_of(CAMERA, size, mirror.positions)
-    red = (overlaid.color[..., 0] > 4.0 * overlaid.color[..., 1]) & (np.abs(overlaid.color - plain.color).max(-1) > 0.02)
+    red = (overlaid.color[..., 0] > 4.0 * overlaid.color[..., 1]) & (
+        np.abs(overlaid.color - plain.color).max(-1) > 0.02
+    )
     inner = np.arange(len(places)).reshape(9, 9)[1:-1, 1:-1].ravel()
     shown = [
         red[int(y) - 4 : int(y) + 5, int(x) - 4 : int(x) + 5].any()

@@ -78,7 +78,7 @@ def test_the_uniform_is_what_the_shader_reads():
     words = projection.uniform(SIZE)
     assert words.dtype == np.float32 and words.nbytes == UNIFORM_BYTES
     columns = words[:16].reshape(4, 4)
-    assert columns.T == pytest.approx(projection.clip, rel=1e-6)
+    assert pytest.approx(projection.clip, rel=1e-6) == columns.T
     assert words[16:32].reshape(4, 4).T @ projection.clip == pytest.approx(np.eye(4), abs=1e-4)
     assert words[35] == pytest.approx(2.0 * np.tan(np.radians(25.0)) / SIZE[1], rel=1e-6)
     assert words[48:50] == pytest.approx(SIZE)

@@ -172,7 +172,9 @@ def test_paths_that_meet_too_many_mirrors_are_outside():
     """Two mirrors face each other, with the eye in between."""
     other = replace(flat_mirror(), name="other")
     plane = other.surface
-    plane = replace(plane, origin=np.array([0.6, 0.0, 2.0]), edge_u=np.array([-1.2, 0, 0]), edge_v=np.array([0, 1.2, 0]))
+    plane = replace(
+        plane, origin=np.array([0.6, 0.0, 2.0]), edge_u=np.array([-1.2, 0, 0]), edge_v=np.array([0, 1.2, 0])
+    )
     other = replace(
         other,
         positions=plane.position(other.parameters).astype(np.float32),
@@ -203,7 +205,7 @@ def test_glass_is_traced():
 
 @pytest.mark.parametrize("method", ["pervertex", "environment", "environment:mode=planar", "raytrace:truth=raymesh"])
 def test_glass_elsewhere_is_one_line_that_names_the_remedy(method):
-    with pytest.raises(AnamorphError, match="raytrace|planar") as caught:
+    with pytest.raises(AnamorphError, match=r"raytrace|planar") as caught:
         open_view(glass_scene(), method)
     assert "pane" in str(caught.value)
     assert "\n" not in str(caught.value)

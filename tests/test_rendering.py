@@ -14,7 +14,8 @@ SCENE = scene_with(spherical_mirror())
 
 def same(one, other):
     return all(
-        (getattr(one, name) is None and getattr(other, name) is None) or (getattr(one, name) == getattr(other, name)).all()
+        (getattr(one, name) is None and getattr(other, name) is None)
+        or (getattr(one, name) == getattr(other, name)).all()
         for name in vars(one)
     )
 

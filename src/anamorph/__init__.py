@@ -43,7 +43,8 @@ _HOMES = {
     "anamorph.scene.camera": ("Camera",),
     "anamorph.scene.load": ("load_model",),
     "anamorph.scene.model": (
-        "AmbientLight", "Diffuse", "DirectionalLight", "Glass", "Mesh", "Mirror", "PointLight", "Scene", "Sky", "Texture",
+        "AmbientLight", "Diffuse", "DirectionalLight", "Glass", "Mesh",
+        "Mirror", "PointLight", "Scene", "Sky", "Texture",
     ),
     "anamorph.scene.opening": ("open_scene",),
     "anamorph.scene.surfaces": ("BezierPatch", "Plane", "Sphere"),

@@ -13,16 +13,10 @@ import numpy as np
 from PIL import Image
 
 from anamorph.errors import AnamorphError
+from anamorph.srgb import encode_srgb
 
 PICTURES = (".png", ".jpg", ".jpeg", ".webp", ".npy")
 """Suffixes of picture files: 8-bit sRGB, but `.npy`, which keeps the linear floats."""
-
-
-def encode_srgb(linear: np.ndarray) -> np.ndarray:
-    """Linear colour to sRGB display values (IEC 61966-2-1), clipped to 0 to 1; any shape, float32."""
-    clipped = np.clip(np.asarray(linear, np.float32), 0.0, 1.0)
-    curve = 1.055 * np.power(clipped, np.float32(1.0 / 2.4)) - 0.055
-    return np.where(clipped <= 0.0031308, 12.92 * clipped, curve).astype(np.float32)
 
 
 def check_output(path: str | Path, suffixes: tuple[str, ...] = ()) -> Path:

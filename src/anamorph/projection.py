@@ -125,12 +125,14 @@ def map_projection(frame: MapFrame, bounds: np.ndarray, near_plane: np.ndarray, 
     bounds : (2, 2) float64
         Least and greatest x and y in the image plane.
     near_plane : (4,) float64
-        (n, c) with n.p + c > 0 for points to be drawn: it may lie askew, with the viewpoint behind it.
+        (n, c) with n.p + c > 0 for points to be drawn: it may lie askew.
     corners : (8, 3) float64
         Corners of a box around the scene, which sets the far end of the depth range.
     """
     center, half = bounds.mean(axis=0), np.ptp(bounds, axis=0) / 2.0
     x, y, w = frame.matrix()
+    steepness = _steepness(frame, bounds, near_plane, corners)
+    clip = np.stack([(x - center[0] * w) / half[0], (y - center[1] * w) / half[1], w - steepness * near_plane, w])
     right, up, forward = frame.axes
     # The line through the image-plane point (X, Y) runs along (k X - a, k Y - b, 1) in the frame's axes.
     base = (
@@ -138,20 +140,26 @@ def map_projection(frame: MapFrame, bounds: np.ndarray, near_plane: np.ndarray, 
         + (frame.convergence * center[0] - frame.slope[0]) * right
         + (frame.convergence * center[1] - frame.slope[1]) * up
     )
-    across, along = half[0] * right, half[1] * up
-    # Depth is 1 - steepness (n.p + c) / w. In a view volume that is seen from behind the near plane it is least at the
-    # four far corners, and reaches 0 no nearer than there.
-    far = max(float(((corners - frame.center) @ forward).max()), 0.0)
-    middle = frame.center + center @ frame.axes[:2] + far * base
-    reach = 1.0 + frame.convergence * far
-    ends = np.stack([middle + reach * (i * across + j * along) for i in (-1, 1) for j in (-1, 1)])
-    rise = float((ends @ near_plane[:3] + near_plane[3]).max())
-    steepness = reach / rise if rise > 0.0 else 1.0
-    clip = np.stack([(x - center[0] * w) / half[0], (y - center[1] * w) / half[1], w - steepness * near_plane, w])
     return Projection(
         clip=clip,
         base=base,
-        right=frame.convergence * across,
-        up=frame.convergence * along,
+        right=frame.convergence * half[0] * right,
+        up=frame.convergence * half[1] * up,
         eye=frame.center,
     )
+
+
+def _steepness(frame: MapFrame, bounds: np.ndarray, near_plane: np.ndarray, corners: np.ndarray) -> float:
+    """The s at which depth, 1 - s (n.p + c) / w, reaches 0 just where the view volume leaves the scene's box.
+
+    On every line of the view volume that ratio grows with the height over the image plane, and at one height it is
+    linear: so the greatest stands at a corner of the volume's far end.
+    """
+    far = float(((corners - frame.center) @ frame.axes[2]).max())
+    w = 1.0 + frame.convergence * far
+    x, y = np.meshgrid(*bounds.T)
+    places = np.stack([x.ravel(), y.ravel()], axis=1) * w - far * frame.slope
+    ends = frame.center + places @ frame.axes[:2] + far * frame.axes[2]
+    height = float((ends @ near_plane[:3] + near_plane[3]).max())
+    # A little less than that, so that rounding clips nothing there.
+    return 0.999 * w / height if far > 0.0 and height > 0.0 else 1.0

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache
-from typing import Any
 
 import numpy as np
 import wgpu
 
+from anamorph.gpu.bindings import SAMPLER, STORAGE, bind, layout_of, texture
 from anamorph.gpu.device import get_device
 from anamorph.gpu.textures import sky_texture, texture_array, texture_sampler
 from anamorph.scene.geometry import Geometry
@@ -69,25 +68,15 @@ class SceneBuffers:
 @cache
 def shading_layout() -> wgpu.GPUBindGroupLayout:
     """The layout of group 0: lighting, objects, textures and sky."""
-    stages = wgpu.ShaderStage.FRAGMENT
-    return get_device().create_bind_group_layout(
-        entries=[
-            {"binding": 0, "visibility": stages, "buffer": {"type": "read-only-storage"}},
-            {"binding": 1, "visibility": stages, "buffer": {"type": "read-only-storage"}},
-            {"binding": 2, "visibility": stages, "texture": {"view_dimension": "2d-array"}},
-            {"binding": 3, "visibility": stages, "sampler": {}},
-            {"binding": 4, "visibility": stages, "texture": {}},
-            {"binding": 5, "visibility": stages, "sampler": {}},
-        ]
-    )
+    return layout_of(STORAGE, STORAGE, texture("2d-array"), SAMPLER, texture(), SAMPLER)
 
 
 def upload_scene(scene: Scene, geometry: Geometry) -> SceneBuffers:
     """Copy a scene to the device."""
     textures = _distinct_textures(scene)
     resources = [
-        {"buffer": storage_buffer(_lighting(scene))},
-        {"buffer": storage_buffer(_objects(scene, textures))},
+        storage_buffer(_lighting(scene)),
+        storage_buffer(_objects(scene, textures)),
         texture_array(textures).create_view(dimension="2d-array"),
         texture_sampler(),
         sky_texture(scene.sky.image).create_view(dimension="2d"),
@@ -99,14 +88,8 @@ def upload_scene(scene: Scene, geometry: Geometry) -> SceneBuffers:
         first_vertex=geometry.first_vertex,
         first_face=geometry.first_face,
         specular=tuple(i for i, mesh in enumerate(scene.meshes) if mesh.specular),
-        shading=bind_group(shading_layout(), resources),
+        shading=bind(shading_layout(), resources),
     )
-
-
-def bind_group(layout: wgpu.GPUBindGroupLayout, resources: Sequence[Any]) -> wgpu.GPUBindGroup:
-    """Texture views, samplers and {"buffer": ...} under the bindings 0, 1, 2 and so on."""
-    entries = [{"binding": i, "resource": resource} for i, resource in enumerate(resources)]
-    return get_device().create_bind_group(layout=layout, entries=entries)
 
 
 def storage_buffer(data: np.ndarray, usage: int = 0) -> wgpu.GPUBuffer:

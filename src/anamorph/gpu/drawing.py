@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 import wgpu
 
+from anamorph.gpu.bindings import UNIFORM, bind, layout_of
 from anamorph.gpu.buffers import VERTEX_LAYOUT, SceneBuffers, shading_layout
 from anamorph.gpu.device import get_device
 from anamorph.gpu.targets import COLOR_FORMAT, DEPTH_FORMAT, MAP_FORMATS, SEEN_FORMATS
@@ -27,10 +28,7 @@ def shader_module(*names: str) -> wgpu.GPUShaderModule:
 @cache
 def projection_layout() -> wgpu.GPUBindGroupLayout:
     """The layout of group 1: one projection."""
-    stages = wgpu.ShaderStage.VERTEX | wgpu.ShaderStage.FRAGMENT
-    return get_device().create_bind_group_layout(
-        entries=[{"binding": 0, "visibility": stages, "buffer": {"type": "uniform"}}]
-    )
+    return layout_of(UNIFORM, stages=wgpu.ShaderStage.VERTEX | wgpu.ShaderStage.FRAGMENT)
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,12 +45,9 @@ class ProjectionUniform:
 
 def projection_uniform() -> ProjectionUniform:
     """An unset projection."""
-    device = get_device()
-    buffer = device.create_buffer(size=UNIFORM_BYTES, usage=wgpu.BufferUsage.UNIFORM | wgpu.BufferUsage.COPY_DST)
-    group = device.create_bind_group(
-        layout=projection_layout(), entries=[{"binding": 0, "resource": {"buffer": buffer}}]
-    )
-    return ProjectionUniform(buffer, group)
+    usage = wgpu.BufferUsage.UNIFORM | wgpu.BufferUsage.COPY_DST
+    buffer = get_device().create_buffer(size=UNIFORM_BYTES, usage=usage)
+    return ProjectionUniform(buffer, bind(projection_layout(), [buffer]))
 
 
 def make_pipeline(
@@ -101,7 +96,7 @@ class ScenePipelines:
     depth, meshes : pipelines
         Diffuse meshes, first their depth alone, so that each pixel is shaded once.
     backs, stand_ins : pipelines
-        Of specular meshes: the matt backs of mirrors whose fronts a method draws, and the whole of those that none does.
+        Of specular meshes: the matt backs of mirrors, and the fronts that no method draws.
     sky : pipeline
     """
 
@@ -132,9 +127,7 @@ def _scene_pipelines(
 @cache
 def color_pipelines(samples: int = 1, mirrored: bool = False) -> ScenePipelines:
     """Shaded colour; `mirrored` for projections whose pictures are left-handed, as a cube map's faces are."""
-    return _scene_pipelines(
-        "scene_color", "stand_in_color", "sky_color_fragment", (COLOR_FORMAT,), samples, mirrored
-    )
+    return _scene_pipelines("scene_color", "stand_in_color", "sky_color_fragment", (COLOR_FORMAT,), samples, mirrored)
 
 
 @cache

@@ -8,6 +8,7 @@ from functools import cache
 
 import wgpu
 
+from anamorph.gpu.bindings import bind
 from anamorph.gpu.buffers import SceneBuffers
 from anamorph.gpu.device import get_device
 from anamorph.gpu.drawing import (
@@ -24,6 +25,47 @@ from anamorph.projection import Projection
 
 
 @dataclass(frozen=True, eq=False)
+class Halving:
+    """The step from one mipmap level to the next."""
+
+    finer: wgpu.GPUBindGroup
+    coarser: wgpu.GPUTextureView
+
+    def draw(self, encoder: wgpu.GPUCommandEncoder) -> None:
+        """Fill the coarser level from the finer one."""
+        attachment = {
+            "view": self.coarser,
+            "clear_value": (0, 0, 0, 0),
+            "load_op": "clear",
+            "store_op": "store",
+        }
+        render_pass = encoder.begin_render_pass(color_attachments=[attachment])
+        render_pass.set_pipeline(_halving_pipeline())
+        render_pass.set_bind_group(2, self.finer)
+        render_pass.draw(3)
+        render_pass.end()
+
+
+@cache
+def _halving_pipeline() -> wgpu.GPURenderPipeline:
+    module = shader_module("gpu/halve.wgsl")
+    return get_device().create_render_pipeline(
+        layout="auto",
+        vertex={"module": module, "entry_point": "sky_vertex", "buffers": []},
+        fragment={"module": module, "entry_point": "halve", "targets": [{"format": COLOR_FORMAT}]},
+        primitive={"topology": "triangle-list"},
+    )
+
+
+def _halving(texture: wgpu.GPUTexture, level: int) -> Halving:
+    finer = texture.create_view(base_mip_level=level - 1, mip_level_count=1)
+    return Halving(
+        finer=bind(_halving_pipeline().get_bind_group_layout(2), [finer]),
+        coarser=texture.create_view(base_mip_level=level, mip_level_count=1),
+    )
+
+
+@dataclass(frozen=True, eq=False)
 class Map:
     """A picture of the scene through a projection of its own: colour for frames, depth for their seen buffers.
 
@@ -34,6 +76,8 @@ class Map:
     color, depth : Target
     mirrored : bool
         Whether its picture is left-handed.
+    halvings : tuple of Halving
+        The steps to its mipmaps.
     """
 
     size: tuple[int, int]
@@ -41,6 +85,7 @@ class Map:
     color: Target
     depth: Target
     mirrored: bool = False
+    halvings: tuple[Halving, ...] = ()
 
     def write(self, projection: Projection) -> None:
         """Set the projection for the next drawing."""
@@ -55,9 +100,8 @@ class Map:
     ) -> None:
         """Draw the scene's colours, all meshes but the absent ones, then `extra`, and the mipmaps if it has any."""
         self._draw(encoder, self.color, color_pipelines(self.color.samples, self.mirrored), buffers, absent, extra)
-        texture = self.color.textures[0]
-        for level in range(1, texture.mip_level_count):
-            _halve(encoder, texture, level)
+        for halving in self.halvings:
+            halving.draw(encoder)
 
     def draw_depth(self, encoder: wgpu.GPUCommandEncoder, buffers: SceneBuffers, absent: Sequence[int]) -> None:
         """Draw the scene's depth and object numbers."""
@@ -88,6 +132,7 @@ def make_map(size: tuple[int, int], antialias: int = 1, mipmaps: bool = False) -
         projection=projection_uniform(),
         color=make_target(size, (COLOR_FORMAT,), antialias, (texture,)),
         depth=make_target(size, MAP_FORMATS),
+        halvings=tuple(_halving(texture, level) for level in range(1, levels)),
     )
 
 
@@ -111,33 +156,3 @@ def make_cube(size: int) -> tuple[Map, ...]:
 def map_sampler() -> wgpu.GPUSampler:
     """Blends between texels and mip levels; ends at the map's border."""
     return get_device().create_sampler(mag_filter="linear", min_filter="linear", mipmap_filter="linear")
-
-
-@cache
-def _halving_pipeline() -> wgpu.GPURenderPipeline:
-    module = shader_module("gpu/halve.wgsl")
-    return get_device().create_render_pipeline(
-        layout="auto",
-        vertex={"module": module, "entry_point": "sky_vertex", "buffers": []},
-        fragment={"module": module, "entry_point": "halve", "targets": [{"format": COLOR_FORMAT}]},
-        primitive={"topology": "triangle-list"},
-    )
-
-
-def _halve(encoder: wgpu.GPUCommandEncoder, texture: wgpu.GPUTexture, level: int) -> None:
-    pipeline = _halving_pipeline()
-    source = texture.create_view(base_mip_level=level - 1, mip_level_count=1)
-    group = get_device().create_bind_group(
-        layout=pipeline.get_bind_group_layout(2), entries=[{"binding": 0, "resource": source}]
-    )
-    attachment = {
-        "view": texture.create_view(base_mip_level=level, mip_level_count=1),
-        "clear_value": (0, 0, 0, 0),
-        "load_op": "clear",
-        "store_op": "store",
-    }
-    render_pass = encoder.begin_render_pass(color_attachments=[attachment])
-    render_pass.set_pipeline(pipeline)
-    render_pass.set_bind_group(2, group)
-    render_pass.draw(3)
-    render_pass.end()

@@ -1,6 +1,7 @@
 """The verification overlay: each vertex ray's hit as a ball in the scene, and the wireframe of the ray mesh.
 
-Where a method is exact at vertices, every ball shows behind a crossing of the wires. Source: Kakimoto et al. 2007, Figure 1.
+Where a method is exact at vertices, every ball shows behind a crossing of the wires. Source: Kakimoto et al. 2007,
+Figure 1.
 """
 
 from __future__ import annotations

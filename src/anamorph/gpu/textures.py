@@ -8,34 +8,23 @@ from PIL import Image
 
 from anamorph.gpu.device import get_device, maximum_size
 from anamorph.scene.model import Texture
+from anamorph.srgb import decode_srgb, encode_srgb
 
 MEMORY = 256 * 2**20
 """Bytes that the finest level of a scene's texture array may take."""
 
 
-def srgb_to_linear(encoded: np.ndarray) -> np.ndarray:
-    """Linear light of sRGB values in 0 to 1, of any shape."""
-    encoded = np.asarray(encoded)
-    return np.where(encoded <= 0.04045, encoded / 12.92, ((encoded + 0.055) / 1.055) ** 2.4)
-
-
-def linear_to_srgb(linear: np.ndarray) -> np.ndarray:
-    """sRGB values in 0 to 1 of linear light, of any shape; light outside 0 to 1 is clipped."""
-    linear = np.clip(linear, 0.0, 1.0)
-    return np.where(linear <= 0.0031308, linear * 12.92, 1.055 * linear ** (1.0 / 2.4) - 0.055)
-
-
 def mip_levels(pixels: np.ndarray) -> list[np.ndarray]:
     """Successive halvings of sRGB `pixels` (H, W, 4) uint8, averaged in linear light, down to one pixel."""
     levels = [pixels]
-    linear = srgb_to_linear(pixels / np.float32(255.0))
+    linear = decode_srgb(pixels / np.float32(255.0))
     while max(linear.shape[:2]) > 1:
         rows, columns = linear.shape[0] // 2, linear.shape[1] // 2
         if rows:
             linear = (linear[0 : 2 * rows : 2] + linear[1 : 2 * rows : 2]) / 2.0
         if columns:
             linear = (linear[:, 0 : 2 * columns : 2] + linear[:, 1 : 2 * columns : 2]) / 2.0
-        levels.append(np.rint(linear_to_srgb(linear) * 255.0).astype(np.uint8))
+        levels.append(np.rint(encode_srgb(linear) * 255.0).astype(np.uint8))
     return levels
 
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from flip_evaluator import evaluate
 
-from anamorph.output import encode_srgb
+from anamorph.srgb import encode_srgb
 
 
 @dataclass(frozen=True)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from anamorph.measure.errors import ErrorMaps
-from anamorph.output import encode_srgb
+from anamorph.srgb import encode_srgb
 
 LOWEST, HIGHEST = 0.1, 1000.0
 """The ends of the scale in milliradians; between them it is logarithmic."""

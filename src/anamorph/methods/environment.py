@@ -13,14 +13,14 @@ import wgpu
 
 from anamorph.errors import AnamorphError
 from anamorph.frame import View
-from anamorph.gpu.buffers import bind_group, storage_buffer
-from anamorph.gpu.device import get_device
+from anamorph.gpu.bindings import SAMPLER, STORAGE, bind, layout_of, texture
+from anamorph.gpu.buffers import storage_buffer
 from anamorph.gpu.drawing import make_pipeline, shader_module
 from anamorph.gpu.maps import make_cube, map_sampler
 from anamorph.gpu.reflectors import draw_reflector
 from anamorph.gpu.targets import COLOR_FORMAT, SEEN_FORMATS
-from anamorph.methods.pervertex import PerVertexDrawing
 from anamorph.methods.pervertex import Options as PerVertexOptions
+from anamorph.methods.pervertex import PerVertexDrawing
 from anamorph.methods.protocol import Method, Session
 from anamorph.methods.session import DrawingSession, Stage
 from anamorph.optics.reflection import reflected_rays, reflector
@@ -127,12 +127,12 @@ class _CubeReflector:
         uniforms = np.concatenate([projection.uniform((size, size)) for projection in projections])
         assert uniforms.nbytes == 6 * UNIFORM_BYTES
         resources = [
-            {"buffer": storage_buffer(uniforms)},
+            storage_buffer(uniforms),
             self.maps[0].color.textures[0].create_view(dimension="cube"),
             map_sampler(),
             self.maps[0].depth.textures[0].create_view(dimension="2d-array"),
         ]
-        self.group = bind_group(layout, resources)
+        self.group = bind(layout, resources)
 
     def rays(self, camera: Camera, size: tuple[int, int]) -> list[RayMesh]:
         """The ray mesh of each of its meshes."""
@@ -144,19 +144,23 @@ class CubeDrawing:
 
     def __init__(self, stage: Stage, options: Options) -> None:
         self._stage, self._options = stage, options
-        layout = _layout()
+        layout = layout_of(STORAGE, texture("cube"), SAMPLER, texture("2d-array", filterable=False))
         self._reflectors = [_CubeReflector(stage, group, options, layout) for group in reflectors(stage.view.scene)]
         self.replaced = stage.buffers.specular
         self._drawn = False
         module = shader_module("gpu/map.wgsl", "methods/environment.wgsl")
-
-        def pipeline(fragment: str, formats: tuple[str, ...], samples: int = 1) -> wgpu.GPURenderPipeline:
-            return make_pipeline(
-                module, "scene_vertex", fragment, formats, groups=(layout,), samples=samples, cull="back"
-            )
-
-        self._color = pipeline("environment_color", (COLOR_FORMAT,), options.antialias)
-        self._seen = pipeline("environment_seen", SEEN_FORMATS)
+        self._color = make_pipeline(
+            module,
+            "scene_vertex",
+            "environment_color",
+            (COLOR_FORMAT,),
+            groups=(layout,),
+            samples=options.antialias,
+            cull="back",
+        )
+        self._seen = make_pipeline(
+            module, "scene_vertex", "environment_seen", SEEN_FORMATS, groups=(layout,), cull="back"
+        )
 
     def prepare(self, encoder: wgpu.GPUCommandEncoder, camera: Camera, shift: tuple[float, float]) -> None:
         """Draw each mirror's cube map, all of it once, or every time the faces that the frame needs."""
@@ -194,22 +198,6 @@ class CubeDrawing:
     def rays(self) -> None:
         """The method knows directions, not rays."""
         return None
-
-
-def _layout() -> wgpu.GPUBindGroupLayout:
-    stage = wgpu.ShaderStage.FRAGMENT
-    return get_device().create_bind_group_layout(
-        entries=[
-            {"binding": 0, "visibility": stage, "buffer": {"type": "read-only-storage"}},
-            {"binding": 1, "visibility": stage, "texture": {"view_dimension": "cube"}},
-            {"binding": 2, "visibility": stage, "sampler": {}},
-            {
-                "binding": 3,
-                "visibility": stage,
-                "texture": {"sample_type": "unfilterable-float", "view_dimension": "2d-array"},
-            },
-        ]
-    )
 
 
 def _check_flat(view: View) -> None:

@@ -14,7 +14,8 @@ import wgpu
 
 from anamorph.errors import AnamorphError
 from anamorph.frame import View
-from anamorph.gpu.buffers import bind_group, storage_buffer
+from anamorph.gpu.bindings import SAMPLER, UNIFORM, bind, layout_of, texture
+from anamorph.gpu.buffers import storage_buffer
 from anamorph.gpu.device import get_device, maximum_size
 from anamorph.gpu.drawing import make_pipeline, shader_module
 from anamorph.gpu.maps import Map, make_map, map_sampler
@@ -87,12 +88,12 @@ class _WarpedReflector:
         if self.map is None or any(w > 1.3 * s or w < 0.5 * s for w, s in zip(wanted, self.map.size, strict=True)):
             self.map = make_map((wanted[0], wanted[1]), self._options.antialias, self._options.mipmaps)
             resources = [
-                {"buffer": self.map.projection.buffer},
+                self.map.projection.buffer,
                 self.map.color.textures[0].create_view(),
                 map_sampler(),
                 self.map.depth.textures[0].create_view(),
             ]
-            self.group = bind_group(self._layout, resources)
+            self.group = bind(self._layout, resources)
         self.map.write(plan.projection)
         get_device().queue.write_buffer(self.lookups, 0, plan.lookups.astype(np.float32))
         return self.map
@@ -103,19 +104,29 @@ class PerVertexDrawing:
 
     def __init__(self, stage: Stage, options: Options) -> None:
         self._stage, self._options = stage, options
-        layout = _layout()
+        layout = layout_of(UNIFORM, texture(), SAMPLER, texture(filterable=False))
         self._reflectors = [_WarpedReflector(stage, index, options, layout) for index in stage.buffers.specular]
         self._world = world_of(stage.geometry)
         module = shader_module("gpu/map.wgsl", "methods/pervertex.wgsl")
-
-        def pipeline(fragment: str, formats: tuple[str, ...], samples: int = 1) -> wgpu.GPURenderPipeline:
-            return make_pipeline(
-                module, "reflector_vertex", fragment, formats,
-                buffers=REFLECTOR_BUFFERS, groups=(layout,), samples=samples, cull="back",
-            )  # fmt: skip
-
-        self._color = pipeline("reflector_color", (COLOR_FORMAT,), options.antialias)
-        self._seen = pipeline("reflector_seen", SEEN_FORMATS)
+        self._color = make_pipeline(
+            module,
+            "reflector_vertex",
+            "reflector_color",
+            (COLOR_FORMAT,),
+            buffers=REFLECTOR_BUFFERS,
+            groups=(layout,),
+            samples=options.antialias,
+            cull="back",
+        )
+        self._seen = make_pipeline(
+            module,
+            "reflector_vertex",
+            "reflector_seen",
+            SEEN_FORMATS,
+            buffers=REFLECTOR_BUFFERS,
+            groups=(layout,),
+            cull="back",
+        )
 
     @property
     def replaced(self) -> tuple[int, ...]:
@@ -163,18 +174,6 @@ class PerVertexDrawing:
     def rays(self) -> None:
         """There is no ray for a pixel between vertices."""
         return None
-
-
-def _layout() -> wgpu.GPUBindGroupLayout:
-    stage = wgpu.ShaderStage.FRAGMENT
-    return get_device().create_bind_group_layout(
-        entries=[
-            {"binding": 0, "visibility": stage, "buffer": {"type": "uniform"}},
-            {"binding": 1, "visibility": stage, "texture": {}},
-            {"binding": 2, "visibility": stage, "sampler": {}},
-            {"binding": 3, "visibility": stage, "texture": {"sample_type": "unfilterable-float"}},
-        ]
-    )
 
 
 def open_session(view: View, options: Options) -> Session:

@@ -14,7 +14,7 @@ import wgpu
 
 from anamorph.errors import AnamorphError
 from anamorph.frame import View
-from anamorph.gpu.buffers import bind_group
+from anamorph.gpu.bindings import STORAGE, UNIFORM, bind, layout_of
 from anamorph.gpu.device import get_device
 from anamorph.gpu.drawing import make_pipeline, shader_module
 from anamorph.gpu.targets import COLOR_FORMAT, SEEN_FORMATS
@@ -55,8 +55,7 @@ class _Band:
         self._paths = device.create_buffer(
             size=capacity * RECORD_BYTES, usage=wgpu.BufferUsage.STORAGE | wgpu.BufferUsage.COPY_DST
         )
-        buffers = [self._rectangle, self._paths, stage.buffers.vertices, stage.buffers.indices]
-        self._group = bind_group(layout, [{"buffer": buffer} for buffer in buffers])
+        self._group = bind(layout, [self._rectangle, self._paths, stage.buffers.vertices, stage.buffers.indices])
         self._place = (0, 0, 0, 0)
 
     def write(self, place: tuple[int, int, int, int], records: np.ndarray) -> None:
@@ -82,7 +81,7 @@ class TracedDrawing:
         self._tracer = PathTracer(
             stage.view.scene, stage.geometry, Caster(stage.geometry), options.bounces, options.truth
         )
-        self._layout = _layout()
+        self._layout = layout_of(UNIFORM, STORAGE, STORAGE, STORAGE)
         module = shader_module("methods/raytrace.wgsl")
         self._color = self._pipeline(module, "traced_color", (COLOR_FORMAT,))
         self._seen = self._pipeline(module, "traced_seen", SEEN_FORMATS)
@@ -157,19 +156,6 @@ class TracedDrawing:
         origin[y0:y1, x0:x1] = traced[..., 0:3]
         direction[y0:y1, x0:x1] = traced[..., 4:7]
         return origin, direction
-
-
-def _layout() -> wgpu.GPUBindGroupLayout:
-    stage = wgpu.ShaderStage.FRAGMENT
-    storage = {"visibility": stage, "buffer": {"type": "read-only-storage"}}
-    return get_device().create_bind_group_layout(
-        entries=[
-            {"binding": 0, "visibility": stage, "buffer": {"type": "uniform"}},
-            {"binding": 1, **storage},
-            {"binding": 2, **storage},
-            {"binding": 3, **storage},
-        ]
-    )
 
 
 def open_session(view: View, options: Options) -> Session:

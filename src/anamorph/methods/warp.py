@@ -88,8 +88,7 @@ def world_of(geometry: Geometry) -> World:
 def plan_map(
     mirror: Reflector, rays: RayMesh, eye: np.ndarray, world: World, projective: bool = True
 ) -> MapPlan | None:
-    """Find a mirror's virtual viewpoint, view volume and texture coordinates; None where its back is all one sees,
-    or its rays to all sides cancel out.
+    """Find a mirror's virtual viewpoint, view volume and texture coordinates; None where no map can show it.
 
     Parameters
     ----------
@@ -100,6 +99,11 @@ def plan_map(
     world : World
         What the rays may hit.
     projective : bool
+
+    Returns
+    -------
+    MapPlan or None
+        None where only the mirror's back is seen, and where its rays go to all sides alike.
     """
     facing = rays.status == RayStatus.OK
     if not facing.any():
@@ -214,9 +218,7 @@ def _near_plane(
     return np.append(normal, -(top + 1e-4 * diagonal))
 
 
-def _hit_distances(
-    origins: np.ndarray, directions: np.ndarray, near_plane: np.ndarray, caster: Caster
-) -> np.ndarray:
+def _hit_distances(origins: np.ndarray, directions: np.ndarray, near_plane: np.ndarray, caster: Caster) -> np.ndarray:
     """Step 3.1: how far each ray goes to the scene beyond the near plane; infinite where it sees the sky."""
     rise = directions @ near_plane[:3]
     behind = -(origins @ near_plane[:3] + near_plane[3])

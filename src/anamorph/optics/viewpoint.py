@@ -30,9 +30,7 @@ def normal_equations(
     return matrix, shares @ (origins - along[:, None] * directions)
 
 
-def virtual_viewpoint(
-    origins: np.ndarray, directions: np.ndarray, weights: np.ndarray | None = None
-) -> np.ndarray:
+def virtual_viewpoint(origins: np.ndarray, directions: np.ndarray, weights: np.ndarray | None = None) -> np.ndarray:
     """The homogeneous least-squares point (x, y, z, w) of lines, (4,) float64; w is 0 for parallel lines.
 
     Scaled so that the first three components are finite, and that w > 0 for a point behind the rays' origins.

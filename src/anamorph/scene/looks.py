@@ -15,6 +15,7 @@ from anamorph.errors import AnamorphError
 from anamorph.scene.files import to_texture
 from anamorph.scene.gltf import Gltf
 from anamorph.scene.model import WHITE, Color, Diffuse, Texture
+from anamorph.srgb import decode_srgb
 
 
 def look(
@@ -34,9 +35,14 @@ def look(
     """
     visual, count = geometry.visual, len(geometry.vertices)
     if visual.kind == "vertex":
-        return Diffuse(WHITE), "", None, _linear(np.asarray(visual.vertex_colors)[:, :3] / 255.0)
+        return Diffuse(WHITE), "", None, decode_srgb(np.asarray(visual.vertex_colors)[:, :3] / 255.0)
     if visual.kind == "face":
-        return Diffuse(WHITE), "", None, np.repeat(_linear(np.asarray(visual.face_colors)[:, :3] / 255.0), 3, axis=0)
+        return (
+            Diffuse(WHITE),
+            "",
+            None,
+            np.repeat(decode_srgb(np.asarray(visual.face_colors)[:, :3] / 255.0), 3, axis=0),
+        )
     if visual.kind != "texture":
         return Diffuse(), "", None, None
 
@@ -71,16 +77,10 @@ def _simple(material: Any) -> tuple[Any, Color, str]:
     shade = np.asarray(getattr(material, "kwargs", {}).get("kd", ()), float)
     if shade.shape != (3,) or not np.isfinite(shade).all():
         return image, WHITE if image else Diffuse().color, name
-    red, green, blue = _linear(np.clip(shade, 0.0, 1.0))
+    red, green, blue = decode_srgb(np.clip(shade, 0.0, 1.0))
     return image, (float(red), float(green), float(blue)), name
 
 
 def _fractions(values: np.ndarray) -> np.ndarray:
     """Numbers in 0 to 1 from floats, or from unsigned integers that stand for them."""
     return values / np.iinfo(values.dtype).max if values.dtype.kind == "u" else np.clip(values, 0.0, 1.0)
-
-
-def _linear(srgb: np.ndarray) -> np.ndarray:
-    """Linear Rec. 709 from sRGB (IEC 61966-2-1), both 0 to 1."""
-    srgb = np.asarray(srgb, float)
-    return np.where(srgb <= 0.04045, srgb / 12.92, ((srgb + 0.055) / 1.055) ** 2.4)

@@ -473,8 +473,8 @@ def test_nothing_is_created_on_the_device_in_the_steady_state(monkeypatch):
     session = open_view(CURVED, "pervertex:mipmaps=true,overlay=true")
     session.draw(CAMERA)
     session.wait()
-    for name in ("create_buffer", "create_buffer_with_data", "create_texture", "create_render_pipeline",
-                 "create_sampler", "create_shader_module"):  # fmt: skip
+    kinds = ("buffer", "buffer_with_data", "texture", "bind_group", "render_pipeline", "sampler", "shader_module")
+    for name in (f"create_{kind}" for kind in kinds):
         original = getattr(device, name)
 
         def counted(*args, original=original, name=name, **settings):

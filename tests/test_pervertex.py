@@ -28,8 +28,9 @@ from anamorph.measure.errors import measure, silhouettes
 from anamorph.methods import pervertex
 from anamorph.methods.pervertex import Options
 from anamorph.methods.session import Stage
-from anamorph.methods.warp import plan_map, world_of
+from anamorph.methods.warp import _near_normal, plan_map, world_of
 from anamorph.optics.reflection import reflected_rays, reflector
+from anamorph.projection import map_frame
 from anamorph.scene.builtin.shapes import box, globe, join, lattice
 from anamorph.scene.camera import Camera
 from anamorph.scene.geometry import flatten
@@ -358,11 +359,18 @@ def test_an_eye_inside_a_mirror_ball_gets_a_defined_picture(position):
 
 
 def test_rays_or_normals_that_cancel_out_exactly_get_a_defined_picture():
-    """In the middle of a cube of mirrors the mean ray and the mean normal are zero."""
+    """In the middle of a cube of mirrors, with no triangle wholly ahead, the mean ray and normal are zero."""
     shape = box((-2.0, -2.0, -2.0), (2.0, 2.0, 2.0))
     room = replace(shape, normals=-shape.normals, faces=shape.faces[:, ::-1]).mesh("mirror", Mirror())
-    camera = Camera((0.0, 0.0, 0.0), (0.0, 0.1, -1.0))
+    camera = Camera((0.0, 0.0, 0.0), (1.0, 1.0, 0.0), (0.0, 0.0, 1.0))
     defined(drawn(scene_with(room, camera=camera), "pervertex"))
+
+
+def test_normals_that_cancel_out_leave_the_near_plane_across_the_view():
+    """A corridor of mirrors: its rays agree, its normals do not."""
+    frame = map_frame(np.array([0.0, 0.0, 1.0, 1.0]), np.zeros(3), np.diag([1.0, 1.0, -1.0]))
+    normals, directions = np.array([[1.0, 0.0, 0.0], [-1.0, 0.0, 0.0]]), np.array([[0.0, 0.0, -1.0]] * 2)
+    assert _near_normal(np.array([0.5, 0.5]), normals, directions, frame).tolist() == [0.0, 0.0, -1.0]
 
 
 def test_a_whole_ball_gets_a_defined_picture():

@@ -4,15 +4,22 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from anamorph.frame import View
 from anamorph.measure.compare import Comparison, compare
 from anamorph.measure.report import report_page
-from anamorph.output import save_picture, save_text
+from anamorph.output import save_text
 from anamorph.progress import Tell
+from anamorph.rendering import draw_frame
 from anamorph.scene.opening import open_scene
 
 SCENE = "car-mirror"
-SPECS = ("pervertex", "environment", "raytrace")
 SIZE = (1024, 768)
+PICTURES = {
+    "pervertex": ("pervertex:antialias=4,mipmaps=true", 1),
+    "environment": ("environment:antialias=4", 2),
+    "raytrace": ("raytrace", 3),
+}
+"""The methods that are measured, at one sample a pixel, and how each is best drawn: its options, and samples a side."""
 
 
 def make_demo(directory: Path, command: str, progress: Tell) -> Comparison:
@@ -20,9 +27,11 @@ def make_demo(directory: Path, command: str, progress: Tell) -> Comparison:
     directory.mkdir(parents=True, exist_ok=True)
     progress(0, 1, f"making the scene {SCENE}")
     scene, _ = open_scene(SCENE)
-    comparison = compare(scene, SPECS, SIZE, command=command, progress=progress)
-    for result in comparison.methods:
-        save_picture(directory / f"{SCENE}-{result.name}.png", result.frame.color)
+    comparison = compare(scene, tuple(PICTURES), SIZE, command=command, progress=progress)
+    for step, (name, (specification, samples)) in enumerate(PICTURES.items()):
+        progress(step, len(PICTURES), f"smooth picture by {name}")
+        view = View(scene, scene.camera, SIZE, samples)
+        draw_frame(view, specification).save(directory / f"{SCENE}-{name}.png")
     save_text(directory / "comparison.json", comparison.to_json())
     save_text(directory / "index.html", report_page(comparison))
     return comparison

@@ -8,18 +8,15 @@ import numpy as np
 from PIL import Image, ImageDraw, ImageFont
 
 import anamorph as an
+from anamorph import demo
 from anamorph.measure.errors import measure
 from anamorph.measure.heatmap import TICKS, heat_map, scale_colors
 from anamorph.output import to_pixels, whole_file
 
 PICTURES = Path(__file__).resolve().parent / "pictures"
 
-SIZE = (1024, 768)
-
 SHOWN = {
-    "car-mirror-pervertex": ("car-mirror", "pervertex:antialias=4,mipmaps=true", 1),
-    "car-mirror-raytrace": ("car-mirror", "raytrace", 3),
-    "car-mirror-environment": ("car-mirror", "environment:antialias=4", 1),
+    **{f"car-mirror-{name}": ("car-mirror", *drawn) for name, drawn in demo.PICTURES.items()},
     "car-mirror-overlay": ("car-mirror", "pervertex:antialias=4,mipmaps=true,overlay=true", 1),
     "flat-mirror-pervertex": ("flat-mirror", "pervertex:antialias=4,mipmaps=true", 1),
     "room-pervertex": ("room", "pervertex:antialias=4,mipmaps=true", 1),
@@ -44,8 +41,8 @@ def save(name: str, pixels: np.ndarray) -> None:
 
 def error_map(method: str) -> np.ndarray:
     """Angular errors of `method` in car-mirror, as in the page that `anamorph compare --html` writes."""
-    truth = an.render("car-mirror", method="raytrace", size=SIZE, seen=True)
-    frame = an.render("car-mirror", method=method, size=SIZE, seen=True)
+    truth = an.render("car-mirror", method="raytrace", size=demo.SIZE, seen=True)
+    frame = an.render("car-mirror", method=method, size=demo.SIZE, seen=True)
     return heat_map(measure(truth, frame).maps, truth.color)
 
 
@@ -65,7 +62,7 @@ def scale() -> np.ndarray:
 
 def status_map() -> np.ndarray:
     """How each pixel of the room got its value."""
-    status = an.render("room", method="pervertex", size=SIZE, seen=True).status
+    status = an.render("room", method="pervertex", size=demo.SIZE, seen=True).status
     assert status is not None
     palette = np.zeros((256, 3), np.uint8)
     for value, color in STATUS_COLORS.items():
@@ -77,7 +74,7 @@ def main() -> None:
     """Make them all."""
     PICTURES.mkdir(exist_ok=True)
     for name, (scene, method, samples) in SHOWN.items():
-        save(name, to_pixels(an.render(scene, method=method, size=SIZE, samples=samples).color))
+        save(name, to_pixels(an.render(scene, method=method, size=demo.SIZE, samples=samples).color))
     for method in ("pervertex", "environment"):
         save(f"car-mirror-{method}-error", error_map(method))
     save("error-scale", scale())

@@ -1,4 +1,4 @@
-"""A scene from arrays: a convex mirror, which knows its exact shape, above a pyramid on a floor."""
+"""A scene from arrays: a convex mirror, which knows its exact shape, before a pyramid on a floor."""
 
 import numpy as np
 
@@ -49,6 +49,6 @@ scene = an.Scene(
         flat("pyramid", sides, an.Diffuse((0.8, 0.3, 0.1))),
         flat("floor", ground, an.Diffuse((0.5, 0.5, 0.45))),
     ),
-    camera=an.Camera(position=(0.9, 1.2, 2.4), target=(0.0, 1.0, 0.0), field_of_view=35.0),
+    camera=an.Camera(position=(0.9, 1.2, 2.4), target=(0.0, 1.0, 0.0), field_of_view=22.0),
 )
 an.render(scene, size=(640, 480), antialias=4).save("pyramid.png")

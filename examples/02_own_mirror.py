@@ -25,7 +25,7 @@ def convex_mirror(radius=2.0, half_width=0.25, half_height=0.16, columns=10, row
     v = np.linspace(-half_height, half_height, rows)
     parameters = np.stack(np.meshgrid(u, v), axis=-1).reshape(-1, 2)
     corner = (np.arange(rows - 1)[:, None] * columns + np.arange(columns - 1)).reshape(-1, 1)
-    faces = (corner + [0, 1, columns + 1, 0, columns + 1, columns]).reshape(-1, 3)
+    faces = (corner + np.array([0, 1, columns + 1, 0, columns + 1, columns])).reshape(-1, 3)
     return an.Mesh(
         name="mirror",
         positions=sphere.position(parameters).astype(np.float32),
@@ -39,7 +39,7 @@ def convex_mirror(radius=2.0, half_width=0.25, half_height=0.16, columns=10, row
 
 base = np.array([[-0.5, 0.0, -0.5], [-0.5, 0.0, 0.5], [0.5, 0.0, 0.5], [0.5, 0.0, -0.5]])
 top = np.array([0.0, 0.9, 0.0])
-sides = np.array([[base[i], base[(i + 1) % 4], top] for i in range(4)]) + [-0.8, 0.0, 2.2]
+sides = np.array([[base[i], base[(i + 1) % 4], top] for i in range(4)]) + np.array([-0.8, 0.0, 2.2])
 ground = 8.0 * np.array([[base[0], base[1], base[2]], [base[0], base[2], base[3]]])
 
 scene = an.Scene(

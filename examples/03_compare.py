@@ -8,6 +8,8 @@ from anamorph.measure.report import report_page
 scene, _ = an.open_scene("flat-mirror")
 comparison = an.compare(scene, ["pervertex", "environment"], size=(320, 240))
 for result in comparison.methods:
-    error, time = result.errors.angular_mrad, result.timing
-    print(f"{result.name:12} {error.median:8.4f} mrad (95th percentile {error.p95:8.4f}), {time.median:6.1f} ms a frame")
+    error, frame = result.errors.angular_mrad, result.timing
+    print(
+        f"{result.name:12} median {error.median:.4f} mrad, 95th percentile {error.p95:.4f}; {frame.median:.1f} ms a frame"
+    )
 Path("comparison.html").write_text(report_page(comparison), encoding="utf-8")

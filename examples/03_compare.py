@@ -9,7 +9,5 @@ scene, _ = an.open_scene("flat-mirror")
 comparison = an.compare(scene, ["pervertex", "environment"], size=(320, 240))
 for result in comparison.methods:
     error, frame = result.errors.angular_mrad, result.timing
-    print(
-        f"{result.name:12} median {error.median:.4f} mrad, 95th percentile {error.p95:.4f}; {frame.median:.1f} ms a frame"
-    )
+    print(f"{result.name:12} median {error.median:.4f} mrad, 95th percentile {error.p95:.4f}; {frame.median:.1f} ms")
 Path("comparison.html").write_text(report_page(comparison), encoding="utf-8")

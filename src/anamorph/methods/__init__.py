@@ -60,7 +60,9 @@ def _convert(method: str, key: str, value: Any, default: Any) -> Any:
         return value
     try:
         if kind is not bool and not isinstance(value, bool):
-            return kind(value)
-    except ValueError:
+            converted = kind(value)
+            if isinstance(value, str) or converted == value:
+                return converted
+    except (TypeError, ValueError, OverflowError):
         pass
     raise AnamorphError(f"{method}: option {key} is {value!r}; give {words[kind]}")

@@ -88,7 +88,7 @@ def world_of(geometry: Geometry) -> World:
 def plan_map(
     mirror: Reflector, rays: RayMesh, eye: np.ndarray, world: World, projective: bool = True, keep_rim: bool = False
 ) -> MapPlan | None:
-    """Find a mirror's virtual viewpoint, view volume and texture coordinates; None where its back is all one sees.
+    """Find a mirror's virtual viewpoint, view volume and texture coordinates; None where no map can show it.
 
     Parameters
     ----------
@@ -101,12 +101,19 @@ def plan_map(
     projective : bool
     keep_rim : bool
         Whether the map shows what frames the mirror; the vertex rays pass through it in any case.
+
+    Returns
+    -------
+    MapPlan or None
+        None where only the mirror's back is seen, and where its rays go to all sides alike.
     """
     facing = rays.status == RayStatus.OK
     if not facing.any():
         return None
     directions = rays.unit_directions()
     weights = _narrowed(_pixel_weights(rays, facing), directions[facing])
+    if np.linalg.norm(weights @ directions[facing]) < 1e-9:
+        return None
     frame = _map_frame(rays.origins[facing], directions[facing], weights)
     normal = _near_normal(weights, mirror.normals[facing], directions[facing], frame)
     near_plane, rim_plane = _near_planes(normal, rays.origins[facing], directions[facing], eye, world)
@@ -183,8 +190,8 @@ def _map_frame(origins: np.ndarray, directions: np.ndarray, weights: np.ndarray)
 def _near_normal(weights: np.ndarray, normals: np.ndarray, directions: np.ndarray, frame: MapFrame) -> np.ndarray:
     """Where the near plane faces: as the mirror does, or across the view where the mirror bends rays behind itself."""
     normal = weights @ normals
-    normal /= np.linalg.norm(normal)
-    return normal if (directions[weights > 0.0] @ normal).min() > 0.0 else frame.axes[2]
+    ahead = (directions[weights > 0.0] @ normal).min() > 0.0
+    return normal / np.linalg.norm(normal) if ahead else frame.axes[2]
 
 
 def _near_planes(

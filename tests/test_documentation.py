@@ -1,0 +1,167 @@
+"""What the pages say is true: programs and commands run, links and pictures are there, names are those of the code."""
+
+from __future__ import annotations
+
+import ast
+import dataclasses
+import inspect
+import re
+import runpy
+import shlex
+from functools import cache
+from pathlib import Path
+
+import pytest
+import trimesh
+
+from anamorph import cli
+from anamorph.measure.figures import ROWS
+from anamorph.methods import METHODS
+from anamorph.scene import builtin
+
+ROOT = Path(__file__).resolve().parents[1]
+PAGES = sorted([*ROOT.glob("*.md"), *ROOT.glob("docs/*.md")])
+PICTURES = sorted((ROOT / "docs" / "pictures").iterdir())
+EXAMPLES = sorted((ROOT / "examples").glob("*.py"))
+
+SMALL = ("--size", "64x48")
+"""Given last, so that it replaces the size in the text: fewer pixels take less time and understand the same words."""
+
+
+def blocks(language: str) -> list[tuple[str, str]]:
+    """Every fenced block in a language: where it stands, and its text."""
+    found = []
+    for page in PAGES:
+        text = page.read_text()
+        for block in re.finditer(rf"^```{language}\n(.*?)^```$", text, re.MULTILINE | re.DOTALL):
+            line = text.count("\n", 0, block.start()) + 1
+            found.append((f"{page.relative_to(ROOT)}:{line}", block[1]))
+    return found
+
+
+PROGRAMS = blocks("python")
+COMMANDS = [
+    pytest.param(line, id=f"{place} {line}")
+    for place, text in blocks("sh")
+    for line in text.splitlines()
+    if not line.startswith("#")
+]
+
+
+MAKE_ONCE = cache(builtin.make)
+
+
+@pytest.fixture(autouse=True)
+def scenes_made_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Making a scene takes seconds, and it is the same scene every time."""
+    monkeypatch.setattr(builtin, "make", MAKE_ONCE)
+
+
+@pytest.mark.parametrize(("place", "program"), PROGRAMS, ids=[place for place, _ in PROGRAMS])
+def test_a_program_in_a_page_runs_by_itself(place, program, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    exec(compile(program, place, "exec"), {"__name__": "__main__"})
+    saved = re.findall(r'\.save\("([^"]+)"\)', program)
+    assert all((tmp_path / name).stat().st_size for name in saved)
+
+
+@pytest.mark.parametrize("line", COMMANDS)
+def test_a_command_in_a_page_works(line, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    program, *words = shlex.split(line)
+    if program == "./run":
+        assert re.search(rf"^{words[0]}\)$", (ROOT / "run").read_text(), re.MULTILINE)
+        return
+    assert program == "anamorph"
+    for word in words:
+        if word.endswith(".glb"):
+            trimesh.creation.box((1.0, 2.0, 3.0)).export(word)
+    small = SMALL if words[0] in ("render", "compare") else ()
+    assert cli.main([*words, *small]) == 0, capsys.readouterr().err
+    outputs = re.findall(r"(?:-o|--json|--html) (\S+)|=(\S+\.npy)", line)
+    assert all(Path(first or second).stat().st_size for first, second in outputs)
+
+
+@pytest.mark.parametrize("example", EXAMPLES, ids=lambda path: path.name)
+def test_an_example_is_short_and_runs(example, tmp_path, monkeypatch):
+    assert len(example.read_text().splitlines()) < 60
+    monkeypatch.chdir(tmp_path)
+    runpy.run_path(str(example), run_name="__main__")
+    assert list(tmp_path.iterdir())
+
+
+def links(page: Path) -> list[str]:
+    text = re.sub(r"^```.*?^```$", "", page.read_text(), flags=re.MULTILINE | re.DOTALL)
+    return [link for link in re.findall(r"\]\(([^)\s]+)\)", text) if not link.startswith("https://")]
+
+
+def headings(page: Path) -> set[str]:
+    """The names under which a page's headings can be linked to."""
+    titles = re.findall(r"^#+ (.+)$", page.read_text(), re.MULTILINE)
+    return {re.sub(r"[^\w\- ]", "", title.lower()).replace(" ", "-") for title in titles}
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda path: path.name)
+def test_every_link_leads_somewhere(page):
+    for link in links(page):
+        path, _, heading = link.partition("#")
+        target = (page.parent / path).resolve() if path else page
+        assert target.exists(), f"{page.name}: {link}"
+        assert target.is_relative_to(ROOT), f"{page.name}: {link}"
+        assert not heading or heading in headings(target), f"{page.name}: {link}"
+
+
+def test_every_picture_is_shown_and_all_are_small():
+    shown = {(page.parent / link).resolve() for page in PAGES for link in links(page)}
+    assert set(PICTURES) <= shown
+    sizes = [picture.stat().st_size for picture in PICTURES]
+    assert max(sizes) < 250_000
+    assert sum(sizes) < 1_200_000
+
+
+def section(page: Path, title: str) -> str:
+    return page.read_text().split(f"\n## {title}\n")[1].split("\n## ")[0]
+
+
+def test_the_table_of_methods_names_them_all_with_their_modules_and_options():
+    rows = [line.split("|")[1:-1] for line in section(ROOT / "README.md", "Methods").splitlines() if line[:3] == "| `"]
+    assert sorted(row[0].strip(" `") for row in rows) == sorted(METHODS)
+    for row in rows:
+        method = METHODS[row[0].strip(" `")]
+        module = inspect.getsourcefile(method.open)
+        assert module and (ROOT / links_in(row[1])[0]).samefile(module)
+        assert (ROOT / links_in(row[2])[0]).samefile(Path(module).with_suffix(".wgsl"))
+        assert re.findall(r"`(\w+)`", row[4]) == [field.name for field in dataclasses.fields(method.options)]
+
+
+def links_in(cell: str) -> list[str]:
+    return re.findall(r"\]\(([^)\s]+)\)", cell)
+
+
+def test_the_table_of_figures_has_every_measure_and_its_competitor():
+    table = section(ROOT / "README.md", "How far from the truth")
+    labels = [line.split("|")[1].replace("`", "").strip() for line in table.splitlines() if line.startswith("|")][2:]
+    assert len(labels) == len(ROWS)
+    assert all(label.startswith(row.label) for label, row in zip(labels, ROWS, strict=True))
+    assert "`raytrace`" in next(line for line in table.splitlines() if line.startswith("| |"))
+
+
+def test_functions_are_where_the_pages_say():
+    told = [
+        (name.split("."), (page.parent / path).resolve())
+        for page in PAGES
+        for name, path in re.findall(r"`([\w.]+)` in\s+\[`[^`]+`\]\(([^)]+\.py)\)", page.read_text())
+    ]
+    assert len(told) >= 8
+    for names, path in told:
+        scope: ast.AST = ast.parse(path.read_text())
+        for name in names:
+            defined = {node.name: node for node in ast.walk(scope) if isinstance(node, (ast.FunctionDef, ast.ClassDef))}
+            values = {target.id for node in ast.walk(scope) for target in assigned(node)}
+            assert name in defined or name in values, f"{'.'.join(names)} is not in {path.name}"
+            scope = defined.get(name, scope)
+
+
+def assigned(node: ast.AST) -> list[ast.Name]:
+    targets = [node.target] if isinstance(node, ast.AnnAssign) else getattr(node, "targets", [])
+    return [target for target in targets if isinstance(target, ast.Name)]

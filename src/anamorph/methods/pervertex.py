@@ -171,7 +171,7 @@ class PerVertexDrawing:
                 np.asarray(camera.position),
                 self._world,
                 self._options.projective,
-                keep_rim=self._mender is not None,
+                strict=self._mender is not None,
             )
             item.plan = None
             if plan is None:

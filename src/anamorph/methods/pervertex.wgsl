@@ -219,7 +219,7 @@ fn reflector_error(fragment: ReflectorFragment) -> @location(0) f32 {
         normal_equations.z * sides.x - normal_equations.y * sides.y,
         normal_equations.x * sides.y - normal_equations.y * sides.x
     ) / determinant;
-    let specular = !sky && objects[u32(max(found.point.w, 1.0)) - 1u].kind != DIFFUSE;
+    let specular = !sky && is_specular(u32(max(found.point.w, 1.0)));
     let known = inside_map(start, fragment.lookup.w) && dot(toward, ray.direction) > 0.0 && !specular
         && !hidden_on_the_way(ray, found);
     return select(UNKNOWN, length(step), known);

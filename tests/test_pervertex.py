@@ -393,7 +393,10 @@ def test_a_whole_ball_gets_a_defined_picture():
     )
     for position in [(0.0, 0.5, 0.9), (0.25, 2.0, 0.1), (0.0, 0.5, 1e4)]:
         camera = Camera(position, tuple(CENTER.tolist()), (1.0, 0.0, 0.0), 30.0)
-        defined(drawn(scene_with(ball, camera=camera), "pervertex"))
+        frame = drawn(scene_with(ball, camera=camera), "pervertex")
+        defined(frame)
+        if camera.position[1] < 1.0 and camera.position[2] < 1.0:
+            assert (frame.status == Status.OUTSIDE).any(), "no map holds the rays of a whole ball"
 
 
 def test_the_maps_resolution_follows_the_pixels_that_it_fills():

@@ -60,7 +60,10 @@ def _convert(method: str, key: str, value: Any, default: Any) -> Any:
         return value
     try:
         if kind is not bool and not isinstance(value, bool):
-            return kind(value)
-    except ValueError:
+            converted = kind(value)
+            # int() drops fractions without a word.
+            if kind is not int or isinstance(value, str) or converted == value:
+                return converted
+    except (TypeError, ValueError, OverflowError):
         pass
     raise AnamorphError(f"{method}: option {key} is {value!r}; give {words[kind]}")

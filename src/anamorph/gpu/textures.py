@@ -6,6 +6,7 @@ import numpy as np
 import wgpu
 from PIL import Image
 
+from anamorph.errors import AnamorphError
 from anamorph.gpu.device import get_device, maximum_size
 from anamorph.scene.model import Texture
 from anamorph.srgb import decode_srgb, encode_srgb
@@ -60,6 +61,9 @@ def _upload(layers: list[np.ndarray]) -> wgpu.GPUTexture:
 
 def texture_array(textures: list[Texture]) -> wgpu.GPUTexture:
     """Layer 0 white, then each texture, resampled to one common square size; texture coordinates stay as they are."""
+    most = get_device().limits["max-texture-array-layers"] - 1
+    if len(textures) > most:
+        raise AnamorphError(f"scene: has {len(textures)} images, and the device takes {most}; let parts share images")
     size = _layer_size(textures)
     layers = [np.full((size, size, 4), 255, np.uint8)]
     for texture in textures:

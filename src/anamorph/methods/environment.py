@@ -156,8 +156,11 @@ class CubeDrawing:
             (COLOR_FORMAT,),
             groups=(layout,),
             samples=options.antialias,
+            cull="back",
         )
-        self._seen = make_pipeline(module, "scene_vertex", "environment_seen", SEEN_FORMATS, groups=(layout,))
+        self._seen = make_pipeline(
+            module, "scene_vertex", "environment_seen", SEEN_FORMATS, groups=(layout,), cull="back"
+        )
 
     def prepare(self, encoder: wgpu.GPUCommandEncoder, camera: Camera, shift: tuple[float, float]) -> None:
         """Draw each mirror's cube map, all of it once, or every time the faces that the frame needs."""

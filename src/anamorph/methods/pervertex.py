@@ -116,9 +116,16 @@ class PerVertexDrawing:
             buffers=REFLECTOR_BUFFERS,
             groups=(layout,),
             samples=options.antialias,
+            cull="back",
         )
         self._seen = make_pipeline(
-            module, "reflector_vertex", "reflector_seen", SEEN_FORMATS, buffers=REFLECTOR_BUFFERS, groups=(layout,)
+            module,
+            "reflector_vertex",
+            "reflector_seen",
+            SEEN_FORMATS,
+            buffers=REFLECTOR_BUFFERS,
+            groups=(layout,),
+            cull="back",
         )
 
     @property

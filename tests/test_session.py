@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -42,3 +43,12 @@ def test_the_reference_tells_its_rays_where_no_mirror_is_in_the_picture() -> Non
 def test_an_option_that_is_no_whole_number_is_refused(value: object) -> None:
     with pytest.raises(AnamorphError, match="antialias"):
         make_options(METHODS["pervertex"], {"antialias": value})
+
+
+def test_a_scene_file_says_how_it_is_drawn(tmp_path: Path) -> None:
+    file = tmp_path / "wall.toml"
+    file.write_text('builtin = "flat-mirror"\nsize = [20, 10]\nmethod = "raytrace:bounces=2"\n')
+    frame = render(file, seen=True)
+    assert frame.color.shape == (10, 20, 3)
+    assert frame.ray_origin is not None
+    assert render(file, "pervertex", size=(8, 6), seen=True).ray_origin is None

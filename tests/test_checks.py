@@ -155,3 +155,8 @@ def test_one_mirror_that_faces_the_eye_is_enough() -> None:
 def test_glass_and_matt_parts_may_be_seen_from_anywhere() -> None:
     for material in (Glass(), Diffuse()):
         check_scene(seen_from((0.0, 0.0, -3.0), replace(SQUARE, material=material)))
+
+
+def test_no_more_meshes_than_the_seen_buffers_can_number() -> None:
+    with pytest.raises(AnamorphError, match="65536 meshes"):
+        check_scene(replace(SCENE, meshes=(SQUARE,) * 65536))

@@ -260,6 +260,28 @@ def test_old_text_encodings_are_read(tmp_path: Path) -> None:
         assert [mesh.name for mesh in load_model(tmp_path / "m.obj")] == ["tür"]
 
 
+@pytest.mark.parametrize("form", ["ascii", "binary_little_endian"])
+def test_a_ply_header_in_an_old_encoding_is_read_and_its_numbers_kept(tmp_path: Path, form: str) -> None:
+    data = ply(tmp_path).read_bytes()
+    if form != "ascii":
+        data = trimesh.exchange.ply.export_ply(trimesh.creation.box())
+    header = b"ply\nformat " + form.encode() + b" 1.0\n"
+    assert data.startswith(header)
+    (tmp_path / "m.ply").write_bytes(header + "comment Gehäuse\n".encode("latin-1") + data[len(header) :])
+    (mesh,) = load_model(tmp_path / "m.ply")
+    assert np.abs(mesh.positions).max() == (1.0 if form == "ascii" else 0.5)
+
+
+def test_a_text_stl_in_an_old_encoding_is_read_and_a_binary_one_may_be_called_solid(tmp_path: Path) -> None:
+    box = trimesh.creation.box()
+    text = box.export(file_type="stl_ascii").replace("solid", "solid Gehäuse", 1).encode("latin-1")
+    binary = b"solid G\xe4" + box.export(file_type="stl")[8:]
+    for data in (text, binary):
+        (tmp_path / "m.stl").write_bytes(data)
+        (mesh,) = load_model(tmp_path / "m.stl")
+        assert len(mesh.faces) == 12
+
+
 def test_zero_normals_in_a_file_are_replaced(tmp_path: Path) -> None:
     lines = "v -1 1 0\nv 1 1 0\nv -1 -1 0\nvn 0 0 0\nvn 0 0 2\nf 1//1 3//2 2//2\n"
     (tmp_path / "m.obj").write_text(lines)

@@ -348,7 +348,11 @@ def inside_of_a_ball():
 
 @pytest.mark.parametrize("radius", [-10.0, -1.4, -0.9, -0.4])
 def test_a_concave_mirror_gets_a_defined_picture(radius):
-    defined(drawn(scene_with(spherical_mirror(radius)), "pervertex"))
+    scene = scene_with(spherical_mirror(radius))
+    frame = drawn(scene, "pervertex")
+    defined(frame)
+    assert (frame.status == Status.WARPED).sum() > 1000
+    assert measure(drawn(scene, "raytrace"), frame).angular_mrad.median <= 10.0
 
 
 @pytest.mark.parametrize("position", [(0.0, 0.5, 0.0), (0.3, 0.7, 1.0)])
@@ -363,7 +367,9 @@ def test_rays_or_normals_that_cancel_out_exactly_get_a_defined_picture():
     shape = box((-2.0, -2.0, -2.0), (2.0, 2.0, 2.0))
     room = replace(shape, normals=-shape.normals, faces=shape.faces[:, ::-1]).mesh("mirror", Mirror())
     camera = Camera((0.0, 0.0, 0.0), (1.0, 1.0, 0.0), (0.0, 0.0, 1.0))
-    defined(drawn(scene_with(room, camera=camera), "pervertex"))
+    frame = drawn(scene_with(room, camera=camera), "pervertex")
+    defined(frame)
+    assert (frame.object_id == 1).all(), "drawn with the scene, as nothing replaces it"
 
 
 def test_normals_that_cancel_out_leave_the_near_plane_across_the_view():
@@ -387,7 +393,10 @@ def test_a_whole_ball_gets_a_defined_picture():
     )
     for position in [(0.0, 0.5, 0.9), (0.25, 2.0, 0.1), (0.0, 0.5, 1e4)]:
         camera = Camera(position, tuple(CENTER.tolist()), (1.0, 0.0, 0.0), 30.0)
-        defined(drawn(scene_with(ball, camera=camera), "pervertex"))
+        frame = drawn(scene_with(ball, camera=camera), "pervertex")
+        defined(frame)
+        if camera.position[1] < 1.0 and camera.position[2] < 1.0:
+            assert (frame.status == Status.OUTSIDE).any(), "no map holds the rays of a whole ball"
 
 
 def test_the_maps_resolution_follows_the_pixels_that_it_fills():

@@ -163,9 +163,13 @@ def test_a_scene_without_a_mirror_is_drawn_directly():
 
 def test_a_mirror_outside_the_picture_is_not_traced():
     camera = replace(CAMERA, target=(0.25, 0.65, 5.0))
-    frame = drawn(CURVED, "raytrace", camera=camera)
+    session = open_view(CURVED, "raytrace")
+    session.draw(CAMERA)
+    session.draw(camera)
+    frame = session.frame(seen=True)
     assert (frame.specular == 0).all()
     assert np.isfinite(frame.color).all()
+    assert frame.ray_origin is None, "no rays are left of the frame before"
 
 
 def test_paths_that_meet_too_many_mirrors_are_outside():

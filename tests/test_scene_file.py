@@ -114,6 +114,7 @@ def test_parts_can_be_removed_and_get_names_of_their_own(folder: Path) -> None:
         (EYE + "field_of_view = '40'\n", 4, ["field_of_view", "a number"]),
         (EYE + "field_of_view = 180\n", 4, ["field_of_view", "179"]),
         (EYE + "up = [0, 1]\n", 4, ["up", "three numbers"]),
+        (EYE + f"field_of_view = {10**400}\n", 4, ["field_of_view", "..."]),
         (EYE + "up = [0, nan, 0]\n", 4, ["up", "three numbers"]),
         ("size = [800]\n" + EYE, 1, ["size", "two whole numbers"]),
         ("size = [800, 0]\n" + EYE, 1, ["size", "two whole numbers"]),

@@ -19,8 +19,6 @@ from anamorph.progress import progress_bar
 from anamorph.quiet import hush
 from anamorph.versions import versions
 
-DEFAULT_SIZE = (1024, 768)
-DEFAULT_METHOD = "pervertex"
 SEEN = ("position", "object_id", "specular", "status")
 
 EXAMPLES = """examples:
@@ -75,9 +73,9 @@ def _render(arguments: argparse.Namespace) -> None:
         parse(arguments.method)
     with progress_bar(f"rendering {arguments.scene}"):
         scene, settings = open_scene(arguments.scene)
-        size = arguments.size or settings.size or DEFAULT_SIZE
+        size = arguments.size or settings.size
         view = View(scene, scene.camera, size, samples=arguments.samples)
-        frame = draw_frame(view, arguments.method or settings.method or DEFAULT_METHOD, seen=bool(arguments.seen))
+        frame = draw_frame(view, arguments.method or settings.method, seen=bool(arguments.seen))
     frame.save(arguments.output)
     for name, path in arguments.seen:
         save_array(path, getattr(frame, name))
@@ -99,7 +97,7 @@ def _compare(arguments: argparse.Namespace) -> None:
         parse(spec)
     with progress_bar(f"opening {arguments.scene}") as tell:
         scene, settings = open_scene(arguments.scene)
-        size = arguments.size or settings.size or DEFAULT_SIZE
+        size = arguments.size or settings.size
         comparison = compare(scene, specs, size, command=arguments.command_line, progress=tell)
     if arguments.json:
         save_text(arguments.json, comparison.to_json())

@@ -2,8 +2,8 @@
 
 The Python wrapper `embreex` holds the interpreter lock and casts one ray at a time. The library inside its wheel can do
 more: this module finds it, describes the few structures it needs by hand (Embree 4, rtcore_ray.h and rtcore_scene.h),
-and calls it through its address. Because nothing but `agrees_with` checks such a description, nobody should use a tree
-from here before that has passed; `rays.Caster` sees to it.
+and calls it through its address. Because nothing but `rays.direct_works` checks such a description, nobody should use a
+tree from here before that has passed; `rays.Caster` sees to it.
 """
 
 from __future__ import annotations

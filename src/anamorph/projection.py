@@ -71,7 +71,8 @@ def camera_projection(camera: Camera, size: tuple[int, int], shift: tuple[float,
     tangent = np.tan(np.radians(camera.field_of_view) / 2.0)
     right, up = right * tangent * width / height, up * tangent
     base = forward + 2.0 * shift[0] / width * right - 2.0 * shift[1] / height * up
-    near = 1e-3 * float(np.linalg.norm(np.subtract(camera.target, camera.position)))
+    # The target may be far beyond what is near. Reversed depth in floating point resolves as much whatever `near` is.
+    near = 1e-6 * float(np.linalg.norm(np.subtract(camera.target, camera.position)))
     return pinhole_projection(np.asarray(camera.position, float), base, right, up, near)
 
 

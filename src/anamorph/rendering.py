@@ -15,8 +15,8 @@ from anamorph.scene.camera import Camera
 from anamorph.scene.checks import check_scene
 from anamorph.scene.model import Scene
 from anamorph.scene.opening import open_scene
+from anamorph.scene.scenefile import Settings
 
-DEFAULT_SIZE = (1024, 768)
 MAXIMUM_SAMPLES = 32
 
 
@@ -46,7 +46,7 @@ def accumulate(view: View, session: Session, seen: bool = False) -> Frame:
 
 def render(
     scene: Scene | str | Path,
-    method: str = "pervertex",
+    method: str | None = None,
     camera: Camera | None = None,
     size: tuple[int, int] | None = None,
     samples: int = 1,
@@ -59,8 +59,8 @@ def render(
     ----------
     scene : Scene, str or Path
         A scene, the name of a built-in one, or the path of a scene file or a model file.
-    method : str
-        "name" or "name:option=value,…".
+    method : str, optional
+        "name" or "name:option=value,…"; pervertex unless a scene file says otherwise.
     camera : Camera, optional
         The scene's own by default.
     size : (width, height), optional
@@ -76,13 +76,13 @@ def render(
     -------
     Frame
     """
+    settings = Settings()
     if isinstance(scene, Scene):
         opened = check_scene(dataclasses.replace(scene, camera=camera or scene.camera))
     else:
         opened, settings = open_scene(scene)
-        size = size or settings.size
         opened = opened if camera is None else check_scene(dataclasses.replace(opened, camera=camera))
-    chosen, written = parse(method)
+    chosen, written = parse(method or settings.method)
     given = dataclasses.asdict(written) | options
-    view = View(opened, opened.camera, size or DEFAULT_SIZE, samples)
+    view = View(opened, opened.camera, size or settings.size, samples)
     return accumulate(view, chosen.open(view, make_options(chosen, given)), seen)

@@ -8,6 +8,7 @@ from functools import cache
 import numpy as np
 import wgpu
 
+from anamorph.errors import AnamorphError
 from anamorph.gpu.bindings import SAMPLER, STORAGE, bind, layout_of, texture
 from anamorph.gpu.device import get_device
 from anamorph.gpu.textures import sky_texture, texture_array, texture_sampler
@@ -94,6 +95,13 @@ def upload_scene(scene: Scene, geometry: Geometry) -> SceneBuffers:
 
 def storage_buffer(data: np.ndarray, usage: int = 0) -> wgpu.GPUBuffer:
     """A buffer that shaders can read, filled with `data`."""
+    limits = get_device().limits
+    limit = min(limits["max-buffer-size"], limits["max-storage-buffer-binding-size"])
+    if data.nbytes > limit:
+        raise AnamorphError(
+            f"scene: needs {data.nbytes / 2**20:.0f} MiB in one buffer, and the device takes {limit / 2**20:.0f}; "
+            "simplify its meshes"
+        )
     return get_device().create_buffer_with_data(
         data=np.ascontiguousarray(data), usage=wgpu.BufferUsage.STORAGE | wgpu.BufferUsage.COPY_DST | usage
     )

@@ -28,6 +28,8 @@ class Target:
         What a pass leaves behind, one for each of its fragment outputs.
     attachments : tuple of texture views
         What a pass draws into: the textures themselves, or their multisampled counterparts.
+    resolved : tuple of texture views or None
+        Where the samples of each attachment are averaged to, with more than one of them.
     depth : texture view
     samples : int
         Samples a pixel: 1 or 4.
@@ -36,6 +38,7 @@ class Target:
     size: tuple[int, int]
     textures: tuple[wgpu.GPUTexture, ...]
     attachments: tuple[wgpu.GPUTextureView, ...]
+    resolved: tuple[wgpu.GPUTextureView | None, ...]
     depth: wgpu.GPUTextureView
     samples: int
 
@@ -59,12 +62,13 @@ def make_target(
 ) -> Target:
     """A target of `size` with its own textures, or with one layer of the given ones."""
     own = tuple(make_texture(size, form) for form in formats) if textures is None else textures
+    views = tuple(_layer_view(texture, layer) for texture in own)
     if samples == 1:
-        attachments = tuple(_layer_view(texture, layer) for texture in own)
+        attachments, resolved = views, (None,) * len(views)
     else:
-        attachments = tuple(make_texture(size, form, samples).create_view() for form in formats)
+        attachments, resolved = tuple(make_texture(size, form, samples).create_view() for form in formats), views
     depth = make_texture(size, DEPTH_FORMAT, samples).create_view()
-    return Target(size=size, textures=own, attachments=attachments, depth=depth, samples=samples)
+    return Target(size, own, attachments, resolved, depth, samples)
 
 
 def _layer_view(texture: wgpu.GPUTexture, layer: int) -> wgpu.GPUTextureView:
@@ -80,12 +84,12 @@ def begin_pass(
     colors = [
         {
             "view": view,
-            "resolve_target": _layer_view(texture, 0) if target.samples > 1 else None,
+            "resolve_target": resolved,
             "clear_value": (0, 0, 0, 0),
             "load_op": load,
             "store_op": "store",
         }
-        for view, texture in zip(target.attachments, target.textures, strict=True)
+        for view, resolved in zip(target.attachments, target.resolved, strict=True)
     ]
     depth = {"view": target.depth, "depth_clear_value": 0.0, "depth_load_op": depth_load, "depth_store_op": "store"}
     return encoder.begin_render_pass(color_attachments=colors, depth_stencil_attachment=depth)

@@ -6,6 +6,7 @@ import numpy as np
 import wgpu
 from PIL import Image
 
+from anamorph.errors import AnamorphError
 from anamorph.gpu.device import get_device, maximum_size
 from anamorph.scene.model import Texture
 from anamorph.srgb import decode_srgb, encode_srgb
@@ -60,17 +61,30 @@ def _upload(layers: list[np.ndarray]) -> wgpu.GPUTexture:
 
 def texture_array(textures: list[Texture]) -> wgpu.GPUTexture:
     """Layer 0 white, then each texture, resampled to one common square size; texture coordinates stay as they are."""
+    most = get_device().limits["max-texture-array-layers"] - 1
+    if len(textures) > most:
+        raise AnamorphError(f"scene: has {len(textures)} images, and the device takes {most}; let parts share images")
     size = _layer_size(textures)
     layers = [np.full((size, size, 4), 255, np.uint8)]
     for texture in textures:
-        image = Image.fromarray(texture.pixels)
-        layers.append(np.asarray(image.resize((size, size), Image.Resampling.LANCZOS)))
+        layers.append(_resized(texture.pixels, (size, size)))
     return _upload(layers)
 
 
+def _resized(pixels: np.ndarray, size: tuple[int, int]) -> np.ndarray:
+    """Pixels (H, W, 4) at another (width, height); all is opaque, and alpha takes no part in the blending."""
+    if pixels.shape[1::-1] == size:
+        return pixels
+    opaque = Image.fromarray(np.ascontiguousarray(pixels[..., :3])).resize(size, Image.Resampling.LANCZOS)
+    return np.asarray(opaque.convert("RGBA"))
+
+
 def sky_texture(image: Texture | None) -> wgpu.GPUTexture:
-    """The sky's image, or one white pixel where there is none."""
-    return _upload([np.full((1, 1, 4), 255, np.uint8) if image is None else image.pixels])
+    """The sky's image, inside the device's limit, or one white pixel where there is none."""
+    if image is None:
+        return _upload([np.full((1, 1, 4), 255, np.uint8)])
+    height, width = (min(extent, maximum_size()) for extent in image.pixels.shape[:2])
+    return _upload([_resized(image.pixels, (width, height))])
 
 
 def texture_sampler(vertical: str = "repeat") -> wgpu.GPUSampler:

@@ -61,7 +61,8 @@ def _convert(method: str, key: str, value: Any, default: Any) -> Any:
     try:
         if kind is not bool and not isinstance(value, bool):
             converted = kind(value)
-            if isinstance(value, str) or converted == value:
+            # int() drops fractions without a word.
+            if kind is not int or isinstance(value, str) or converted == value:
                 return converted
     except (TypeError, ValueError, OverflowError):
         pass

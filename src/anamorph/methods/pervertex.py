@@ -152,6 +152,7 @@ class PerVertexDrawing:
         if options.tolerance > 0.0:
             self._mender = Mender(stage, self._world.caster)
             self._errors = make_texture(stage.view.size, ERROR_FORMAT)
+            self._errors_view = self._errors.create_view()
             self._error = pipeline("reflector_error", (ERROR_FORMAT,), depth_compare="equal")
         self._color = pipeline("reflector_color", (COLOR_FORMAT,), options.antialias)
         self._seen = pipeline("reflector_seen", SEEN_FORMATS)
@@ -188,7 +189,7 @@ class PerVertexDrawing:
         if self._mender is None:
             return
         encoder = get_device().create_command_encoder()
-        errors = replace(target, textures=(self._errors,), attachments=(self._errors.create_view(),))
+        errors = replace(target, textures=(self._errors,), attachments=(self._errors_view,))
         render_pass = begin_pass(encoder, errors, keep_depth=True)
         render_pass.set_bind_group(0, self._stage.buffers.shading)
         render_pass.set_bind_group(1, self._stage.projection.group)

@@ -52,17 +52,18 @@ class TracedDrawing:
         )
         self._bands: list[Tiles] = []
         self._used = 0
-        self._records: tuple[Camera, tuple[float, float], Rectangle, np.ndarray] | None = None
+        self._eye: tuple[Camera, tuple[float, float]] | None = None
+        self._records: tuple[Rectangle, np.ndarray] | None = None
 
     def prepare(self, encoder: wgpu.GPUCommandEncoder, camera: Camera, shift: tuple[float, float]) -> None:
         """Trace the rectangle that bounds the specular surfaces, and upload where its paths end."""
-        self._used, self._records = 0, None
+        self._used, self._records, self._eye = 0, None, (camera, shift)
         rectangle = specular_rectangle(self._stage.view.scene, camera, self._stage.view.size)
         if rectangle is None:
             return
         x0, y0, x1, y1 = rectangle
         records = self._tracer.trace(camera, self._stage.view.size, rectangle, shift)
-        self._records = (camera, shift, rectangle, records)
+        self._records = (rectangle, records)
         width = x1 - x0
         rows = tiles_at_once(width)
         for top in range(y0, y1, rows):
@@ -91,16 +92,18 @@ class TracedDrawing:
 
     def rays(self) -> tuple[np.ndarray, np.ndarray] | None:
         """Origins and directions of each pixel's last ray: the eye's own outside the traced rectangle."""
-        if self._records is None:
+        if self._eye is None:
             return None
-        camera, shift, (x0, y0, x1, y1), records = self._records
+        camera, shift = self._eye
         width, height = self._stage.view.size
         x, y = np.meshgrid(np.arange(width) + 0.5 + shift[0], np.arange(height) + 0.5 + shift[1])
         direction = camera.directions(np.stack([x, y], axis=-1), (width, height)).astype(np.float32)
         origin = np.broadcast_to(np.asarray(camera.position, np.float32), direction.shape).copy()
-        traced = records.reshape(y1 - y0, x1 - x0, WORDS)
-        origin[y0:y1, x0:x1] = traced[..., 0:3]
-        direction[y0:y1, x0:x1] = traced[..., 4:7]
+        if self._records is not None:
+            (x0, y0, x1, y1), records = self._records
+            traced = records.reshape(y1 - y0, x1 - x0, WORDS)
+            origin[y0:y1, x0:x1] = traced[..., 0:3]
+            direction[y0:y1, x0:x1] = traced[..., 4:7]
         return origin, direction
 
 

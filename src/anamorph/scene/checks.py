@@ -27,11 +27,18 @@ from anamorph.scene.normals import doubled_areas, has_area
 TOUCHING = 1e-5
 """An eye nearer to a mirror than this share of the mirror's size is on it."""
 
+MOST_MESHES = 0xFFFF
+"""The seen buffers hold an object's number in 16 bits."""
+
 
 def check_scene(scene: Scene) -> Scene:
     """The scene without its degenerate triangles; raises AnamorphError for what cannot be drawn."""
     if not scene.meshes:
         raise AnamorphError(f"scene '{scene.name}': has no meshes; add a part")
+    if len(scene.meshes) > MOST_MESHES:
+        raise AnamorphError(
+            f"scene '{scene.name}': has {len(scene.meshes)} meshes, and {MOST_MESHES} can be told apart; join some"
+        )
     meshes = tuple(_checked(mesh) for mesh in scene.meshes)
     check_camera(scene.camera, f"scene '{scene.name}': eye")
     for number, light in enumerate(scene.lights, start=1):

@@ -63,7 +63,7 @@ def load_parts(path: str | Path, scale: float = 1.0) -> tuple[Part, ...]:
     if not (np.isfinite(scale) and scale > 0):
         raise AnamorphError(f"{path}: scale is {scale}; give a positive number of metres for one unit")
     data = read(path, "model file")
-    data = as_utf8(data) if suffix == ".obj" else data
+    data = _in_utf8(data, suffix)
     gltf = read_gltf(data, path) if suffix in (".glb", ".gltf") else None
     scene = _parse(gltf.data if gltf else data, path)
     textures: dict[int, Texture] = {}
@@ -75,6 +75,16 @@ def load_parts(path: str | Path, scale: float = 1.0) -> tuple[Part, ...]:
     if not kept:
         raise AnamorphError(f"{path}: has no triangles with an area; give a model with faces, not points or lines")
     return uniquely_named(kept)
+
+
+def _in_utf8(data: bytes, suffix: str) -> bytes:
+    """A model whose text, of whatever encoding, is in UTF-8, the only one that trimesh reads."""
+    if suffix == ".ply":
+        header, end, body = data.partition(b"end_header")
+        return as_utf8(header) + end + body
+    # The length of a binary STL file follows from its count, and a text one may start with the same word "solid".
+    text = suffix == ".obj" or (suffix == ".stl" and len(data) != 84 + 50 * int.from_bytes(data[80:84], "little"))
+    return as_utf8(data) if text else data
 
 
 @contextmanager

@@ -16,6 +16,8 @@ from anamorph.scene.key_lines import Keys, key_lines
 
 Vector = tuple[float, float, float]
 
+LARGEST = float(np.finfo(float).max)
+
 
 @dataclass(frozen=True, eq=False)
 class Table:
@@ -117,11 +119,13 @@ class Table:
         return path
 
     def _mistaken(self, key: str, wanted: str) -> NoReturn:
-        self.wrong(key, f"{key} is {self.values.get(key)!r}; give {wanted}")
+        shown = repr(self.values.get(key))
+        self.wrong(key, f"{key} is {shown if len(shown) < 60 else shown[:56] + ' ...'}; give {wanted}")
 
 
 def _is_number(value: object) -> bool:
-    return isinstance(value, int | float) and not isinstance(value, bool) and bool(np.isfinite(value))
+    # Whole numbers of any length are TOML: those beyond a float's range are as little use as infinity.
+    return isinstance(value, int | float) and not isinstance(value, bool) and -LARGEST <= value <= LARGEST
 
 
 def read_tables(path: Path) -> Table:

@@ -99,7 +99,7 @@ def test_matrices_act_on_columns_and_are_transposed_for_the_device():
     words = projection.uniform(SIZE)
     assert words.dtype == np.float32
     assert pytest.approx(projection.clip, rel=1e-6) == words[:16].reshape(4, 4).T
-    assert projection.clip @ [0.0, 0.0, 0.0, 1.0] == pytest.approx([0.0, 0.0, 3e-3, 3.0])
+    assert projection.clip @ [0.0, 0.0, 0.0, 1.0] == pytest.approx([0.0, 0.0, 3e-6, 3.0])
 
 
 @pytest.mark.parametrize("method", METHODS)

@@ -161,7 +161,7 @@ def test_every_shader_compiles(name):
     before = {
         "methods/environment.wgsl": ("gpu/map.wgsl",),
         "methods/pervertex.wgsl": ("gpu/vertices.wgsl", "gpu/map.wgsl"),
-        "methods/tiles.wgsl": ("gpu/vertices.wgsl",),
+        "methods/raytrace.wgsl": ("gpu/vertices.wgsl",),
     }
     assert shader_module(*before.get(name, ()), name) is not None
 

@@ -25,7 +25,7 @@ class Tiles:
         self._layout = layout_of(
             UNIFORM, STORAGE, STORAGE, STORAGE, STORAGE, stages=wgpu.ShaderStage.VERTEX | wgpu.ShaderStage.FRAGMENT
         )
-        module = shader_module("gpu/vertices.wgsl", "methods/tiles.wgsl")
+        module = shader_module("gpu/vertices.wgsl", "methods/raytrace.wgsl")
 
         def pipeline(fragment: str, formats: tuple[str, ...]) -> wgpu.GPURenderPipeline:
             return make_pipeline(

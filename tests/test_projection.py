@@ -52,7 +52,7 @@ def test_base_right_and_up_look_where_the_pixels_do(shift):
 
 def test_depth_is_one_on_the_near_plane_and_falls_to_zero_far_away():
     forward = CAMERA.axes()[2]
-    near = 1e-3 * np.linalg.norm(np.subtract(CAMERA.target, CAMERA.position))
+    near = 1e-6 * np.linalg.norm(np.subtract(CAMERA.target, CAMERA.position))
     distances = np.geomspace(near, 1e7 * near, 30)
     _, _, z, w = clip(camera_projection(CAMERA, SIZE), CAMERA.position + distances[:, None] * forward).T
     depth = z / w

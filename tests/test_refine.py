@@ -6,13 +6,16 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from scenes import SIZE, drawn, flat_mirror, open_view, scene_with, spherical_mirror
+from scenes import drawn, flat_mirror, open_view, scene_with, spherical_mirror
 
 from anamorph.errors import AnamorphError
 from anamorph.frame import Status
+from anamorph.gpu.targets import read_texture
 from anamorph.measure.angles import angles_between, normalized, seen_directions
 from anamorph.measure.errors import measure
+from anamorph.methods import pervertex
 from anamorph.methods.mend import TILE, doubtful_tiles
+from anamorph.scene.builtin import make
 from anamorph.scene.builtin.shapes import box
 from anamorph.scene.model import Diffuse
 
@@ -106,14 +109,52 @@ def test_a_tolerance_holds(kind):
     assert traced < 0.5 if kind == "curved" else traced > 0.0
 
 
-def test_what_stands_between_is_not_missed():
-    """A bar that the map sees elsewhere does not make a fragment deviate: only looking along its ray finds it."""
-    scene = scene_with(BALL, *bars())
-    reference = drawn(scene, "raytrace")
-    refined, mended = (
-        measure(reference, drawn(scene, f"pervertex:{option}")) for option in ("refine=3", "tolerance=0.5")
+@pytest.mark.parametrize(("radius", "count", "half"), [(0.5, 12, (0.15, 0.12)), (1.4, 6, (0.2, 0.15))])
+def test_what_stands_between_is_not_missed(radius, count, half):
+    """What the map sees elsewhere does not make a fragment deviate: only looking along its ray finds it."""
+    mirror = spherical_mirror(radius, count, half)
+    material = Diffuse(color=(0.9, 0.1, 0.1))
+    thin = [box((x, 0.2, 0.06), (x + 0.01, 0.8, 0.07)).mesh(f"bar-{x}", material) for x in (-0.15, -0.08, 0.0, 0.1)]
+    scene = scene_with(mirror, *thin)
+    reference, blind, mended = (
+        drawn(scene, name, (320, 240)) for name in ("raytrace", "pervertex:refine=3", "pervertex:tolerance=0.5")
     )
-    assert refined.other_object_percent > 10.0 * mended.other_object_percent
+    maps = measure(reference, blind).maps
+    wrong = maps.specular & ~maps.silhouette & (blind.object_id != reference.object_id)
+    wrong &= (blind.status != Status.OUTSIDE) & (blind.deviation < 1e-3)
+    assert wrong.sum() > 40
+    assert (mended.object_id != reference.object_id)[wrong].mean() < 0.02
+
+
+def test_the_error_that_a_fragment_knows_is_the_measured_one(truth, monkeypatch):
+    monkeypatch.setattr(pervertex, "REFINEMENTS_BEFORE_TRACING", 0)
+    session = open_view(CURVED, "pervertex:tolerance=0.001")
+    session.draw(CURVED.camera)
+    known = read_texture(session._drawing._errors)
+    maps = measure(truth, drawn(CURVED, "pervertex")).maps
+    counted = maps.specular & ~maps.silhouette & (known < 1e3)
+    assert counted.sum() > 0.8 * maps.specular.sum()
+    # Neighbours in a quad share one difference where the measure takes that on both sides.
+    assert np.percentile(np.abs(known - maps.pixels)[counted] / np.maximum(maps.pixels[counted], 0.02), 95) < 0.05
+
+
+def test_a_mirror_in_the_mirror_is_traced():
+    scene = make("spheres")
+    reference, frame = drawn(scene, "raytrace"), drawn(scene, "pervertex:tolerance=0.5")
+    assert measure(reference, drawn(scene, "pervertex:refine=3")).other_object_percent > 5.0
+    assert measure(reference, frame).other_object_percent < 0.5
+
+
+def test_what_frames_the_mirror_is_seen_where_a_tolerance_is_set():
+    """The map of a frame without one leaves out the rim; that of a tolerance shows it, and knows what it cuts off."""
+    rim = box((-0.25, 0.3, -0.02), (-0.17, 0.7, 0.03)).mesh("rim", Diffuse(color=(0.1, 0.1, 0.1)))
+    scene = scene_with(spherical_mirror(count=6), rim)
+    reference = drawn(scene, "raytrace", (320, 240))
+    refined, mended = (
+        measure(reference, drawn(scene, f"pervertex:{option}", (320, 240))) for option in ("refine=3", "tolerance=0.5")
+    )
+    assert refined.other_object_percent > 1.0
+    assert mended.other_object_percent < 0.1
 
 
 def test_the_mended_picture_has_the_reference_s_colours():
@@ -134,12 +175,17 @@ def test_doubtful_tiles_hold_every_doubtful_pixel():
     assert TILE == (4, 4)
 
 
-def test_samples_are_mended_one_by_one():
-    session = open_view(CURVED, "pervertex:tolerance=0.5", SIZE)
-    session.draw(CURVED.camera, (0.25, -0.25))
-    shifted = session.frame().color
-    session.draw(CURVED.camera)
-    assert not np.array_equal(shifted, session.frame().color)
+def test_a_shifted_frame_is_mended_with_shifted_rays():
+    scene, shift = scene_with(BALL), (0.4, -0.4)
+    colors = []
+    for specification in ("raytrace", "pervertex:tolerance=0.5"):
+        session = open_view(scene, specification)
+        session.draw(scene.camera, shift)
+        colors.append(session.frame().color)
+    still = drawn(scene, "pervertex:tolerance=0.5")
+    traced = still.status == Status.TRACED
+    reference, shifted = (color[traced] for color in colors)
+    assert np.abs(shifted - reference).mean() < 0.1 * np.abs(still.color[traced] - reference).mean()
 
 
 @pytest.mark.parametrize(

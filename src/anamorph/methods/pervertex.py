@@ -181,7 +181,8 @@ class PerVertexDrawing:
                 item.overlay.place(plan.hits, _ball_radii(plan, rays, camera, self._stage.view.size))
             balls = None if item.overlay is None else item.overlay.draw_balls
             target = item.update(plan)
-            draw = target.draw_color_and_depth if self._options.refine else target.draw_color
+            looks = self._options.refine > 0 or self._mender is not None
+            draw = target.draw_color_and_depth if looks else target.draw_color
             draw(encoder, self._stage.buffers, (item.index,), balls)
 
     def complete(self, target: Target, camera: Camera, shift: tuple[float, float]) -> None:

@@ -169,18 +169,20 @@ fn reflector_seen(fragment: ReflectorFragment) -> Seen {
 }
 
 // The ray's points at which map and ray are compared for what stands between.
-const PROBES = 8;
-// As a share of the way.
-const NEAREST_PROBE = 1e-3;
-const FARTHEST_PROBE = 1e4;
+const PROBES = 10;
+// In distances from the eye to the surface: nearer nothing is expected, farther map and ray see the same.
+const NEAREST_PROBE = 0.02;
+const FARTHEST_PROBE = 100.0;
 const UNKNOWN = 1e6;
 
 // Whether the ray passes behind something as the map sees it, before it reaches what was found: what the map cannot
 // tell then is whether it passes behind or through.
 fn hidden_on_the_way(ray: TrueRay, found: Lookup) -> bool {
-    let end = select(length(found.point.xyz - ray.origin), FARTHEST_PROBE, found.point.w == 0.0);
-    let ratio = pow(NEAREST_PROBE, -1.0 / f32(PROBES));
-    var along = NEAREST_PROBE * end / ratio;
+    let start = NEAREST_PROBE * length(ray.origin - projection.eye.xyz);
+    let farthest = start * FARTHEST_PROBE / NEAREST_PROBE;
+    let end = select(min(length(found.point.xyz - ray.origin), farthest), farthest, found.point.w == 0.0);
+    let ratio = pow(max(end / start, 1.0), 1.0 / f32(PROBES));
+    var along = start / ratio;
     var hidden = false;
     for (var probe = 0; probe < PROBES; probe++) {
         along *= ratio;

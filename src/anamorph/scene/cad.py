@@ -29,6 +29,25 @@ DENSITY = 24
 MOST_DENSE = 1000
 
 
+@dataclass(frozen=True)
+class FaceChoice:
+    """Which faces of a CAD file are wanted, and how fine.
+
+    Parameters
+    ----------
+    faces : tuple of int or str
+        Numbers from 1 in the file's order, and names of faces or bodies (* stands for any letters); all where empty.
+    density : int
+        Cells along the longer side of each face, and to a full turn of its normal.
+    flip : bool
+        Whether the other side of each face is its outside: CAD programs turn the faces of a sheet as they like.
+    """
+
+    faces: tuple[int | str, ...] = ()
+    density: int = DENSITY
+    flip: bool = False
+
+
 @dataclass(frozen=True, eq=False)
 class CadFace:
     """A face of a CAD file.
@@ -58,7 +77,7 @@ class CadFace:
         return replace(self, surface=replace(self.surface, sign=-self.surface.sign))
 
     def mesh(self, density: int = DENSITY, material: Material | None = None) -> Mesh:
-        """Triangles on the face: `density` cells along its longer side."""
+        """Triangles on the face; `density` as in `FaceChoice`."""
         parameters, faces = tessellate(self.surface, self.curves, density)
         exact = self.surface.position(parameters)
         faces = faces[has_area(exact.astype(np.float32), faces)]
@@ -77,33 +96,14 @@ class CadFace:
         )
 
 
-def load_cad(
-    path: str | Path,
-    faces: Sequence[int | str] = (),
-    density: int = DENSITY,
-    flip: bool = False,
-    material: Material | None = None,
-) -> tuple[Mesh, ...]:
-    """The chosen faces of a STEP or IGES file as meshes, in metres.
-
-    Parameters
-    ----------
-    path : str or Path
-        A .step, .stp, .iges or .igs file.
-    faces : sequence of int or str
-        Numbers from 1 in the file's order, and names of faces or bodies (* stands for any letters); all where empty.
-    density : int
-        Cells along the longer side of each face.
-    flip : bool
-        Whether the other side of each face is its outside: CAD programs turn the faces of a sheet as they like.
-    material : Material, optional
-        Matt by default.
-    """
-    if not 1 <= density <= MOST_DENSE:
-        raise AnamorphError(f"{path}: density is {density}; give 1 to {MOST_DENSE} cells along a face")
-    chosen = choose(read_cad(path), faces, str(path))
+def load_cad(path: str | Path, choice: FaceChoice | None = None, material: Material | None = None) -> tuple[Mesh, ...]:
+    """The chosen faces of a STEP or IGES file as meshes, in metres; matt unless a material is given."""
+    choice = choice or FaceChoice()
+    if not 1 <= choice.density <= MOST_DENSE:
+        raise AnamorphError(f"{path}: density is {choice.density}; give 1 to {MOST_DENSE} cells along a face")
+    chosen = choose(read_cad(path), choice.faces, str(path))
     try:
-        return tuple((face.turned() if flip else face).mesh(density, material) for face in chosen)
+        return tuple((face.turned() if choice.flip else face).mesh(choice.density, material) for face in chosen)
     except AnamorphError as error:
         raise AnamorphError(f"{path}: {error}") from None
 

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from scipy.spatial import Delaunay, cKDTree
@@ -20,6 +21,8 @@ CLEARANCE = 0.5
 """Lattice points nearer than this to a trim curve are left out, in cells."""
 JOINED = 1e-4
 """Points nearer than this are one, in cells."""
+LEAST = 0.125
+"""Cells along the shorter side of a flat face, as a share of those along the longer."""
 ROUNDS = 24
 
 
@@ -57,7 +60,7 @@ def tessellate(surface: NurbsSurface, curves: Sequence[TrimCurve], density: int)
         All borders of the face, in any order: inside is what a line from outside reaches by crossing an odd number of
         them. None for the whole surface.
     density : int
-        Cells of the lattice along the longer side of the face; at least a quarter as many along the other.
+        Cells of the lattice along the longer side of the face, and to a full turn of its normal along either.
 
     Returns
     -------
@@ -76,9 +79,7 @@ def tessellate(surface: NurbsSurface, curves: Sequence[TrimCurve], density: int)
     if all(on_box):
         return _lattice(low, high, cells)
     scale = (high - low) / cells
-    segments = [
-        segment for number, curve in enumerate(curves) for segment in _sampled(curve, number, low, scale)
-    ]
+    segments = [segment for number, curve in enumerate(curves) for segment in _sampled(curve, number, low, scale)]
     inside = _outline(curves, segments, low, scale)[0]
     corners = inside[:, :2], inside[:, 2:]
     lattice = _lattice(np.zeros(2), cells.astype(float), cells)[0]
@@ -109,15 +110,17 @@ Segment = tuple[int, float, float]
 
 
 def _cells(surface: NurbsSurface, low: np.ndarray, high: np.ndarray, density: int) -> np.ndarray:
-    """Cells of the lattice along u and v, (2,) int, for cells about as long as broad."""
+    """Cells of the lattice along u and v, (2,) int: about as long as broad, and `density` of them to a full turn."""
     steps = np.linspace(0.0, 1.0, 9)
-    uv = low + np.stack(np.meshgrid(steps, steps), axis=-1).reshape(-1, 2) * (high - low)
-    lengths = [
-        np.linalg.norm(surface.derivative(uv, *orders), axis=1).mean() * (high - low)[axis]
-        for axis, orders in enumerate(((1, 0), (0, 1)))
-    ]
-    shares = np.maximum(np.array(lengths) / max(*lengths, 1e-300), 0.25)
-    return np.ceil(density * shares - 1e-6).astype(int)
+    uv = low + np.stack(np.meshgrid(steps, steps, indexing="ij"), axis=-1).reshape(-1, 2) * (high - low)
+    normals = surface.normal(uv).reshape(9, 9, 3)
+    lengths, turns = [], []
+    for axis, orders in enumerate(((1, 0), (0, 1))):
+        lengths.append(np.linalg.norm(surface.derivative(uv, *orders), axis=1).mean() * (high - low)[axis])
+        cosines = np.sum(np.moveaxis(normals, axis, 0)[1:] * np.moveaxis(normals, axis, 0)[:-1], axis=-1)
+        turns.append(np.arccos(np.clip(cosines, -1.0, 1.0)).sum(axis=0).max() / (2.0 * np.pi))
+    shares = np.maximum.reduce([np.array(lengths) / max(*lengths, 1e-300), turns, np.full(2, LEAST)])
+    return np.ceil(density * np.minimum(shares, 1.0) - 1e-6).astype(int)
 
 
 def _on_box(points: np.ndarray) -> bool:
@@ -139,7 +142,7 @@ def _sampled(curve: TrimCurve, number: int, low: np.ndarray, scale: np.ndarray) 
     """A curve in pieces that are at most a cell long and nearly straight."""
     inner = np.unique(curve.knots[curve.degree : len(curve.knots) - curve.degree])
     borders = (inner - inner[0]) / (inner[-1] - inner[0])
-    todo, done = list(zip(borders[:-1], borders[1:], strict=True)), []
+    todo, done = list(pairwise(borders)), []
     while todo:
         first, last = todo.pop()
         points = (curve.points(first + (last - first) * np.linspace(0.0, 1.0, 5)) - low) / scale
@@ -181,7 +184,7 @@ def _outline(
 
 
 def _within(points: np.ndarray, starts: np.ndarray, stops: np.ndarray) -> np.ndarray:
-    """Whether points (N, 2) lie inside a border of straight pieces (S, 2): a line to the side crosses it oddly often."""
+    """Whether points (N, 2) lie inside a border of straight pieces (S, 2): a line to the side meets an odd number."""
     odd = np.zeros(len(points), bool)
     x, y = points.T
     for (x0, y0), (x1, y1) in zip(starts, stops, strict=True):

@@ -27,6 +27,7 @@ from anamorph.scene.trimming import TrimCurve, tessellate
 SUFFIXES = (".step", ".stp", ".iges", ".igs")
 DENSITY = 24
 MOST_DENSE = 1000
+PROGRAM = Path(__file__).with_name("opencascade.py")
 
 
 @dataclass(frozen=True)
@@ -112,11 +113,10 @@ def read_cad(path: str | Path) -> tuple[CadFace, ...]:
     """All faces of a STEP or IGES file."""
     path = Path(path)
     read(path, "CAD file")
-    if find_spec("OCP") is None:
+    if not _has_opencascade():
         raise AnamorphError(f"{path}: CAD files need one more package; install it: pip install 'anamorph[cad]'")
-    program = Path(__file__).with_name("opencascade.py")
     # Without -P the program's folder would come first where it looks for modules.
-    done = subprocess.run([sys.executable, "-P", str(program), str(path)], capture_output=True, check=False)
+    done = subprocess.run([sys.executable, "-P", str(PROGRAM), str(path)], capture_output=True, check=False)
     if done.returncode != 0:
         said = done.stderr.decode(errors="replace").strip().splitlines()
         reason = said[-1] if said and done.returncode == 1 else "is damaged; export it again"
@@ -125,6 +125,14 @@ def read_cad(path: str | Path) -> tuple[CadFace, ...]:
         return tuple(_face(number, **entry) for number, entry in enumerate(pickle.loads(done.stdout), start=1))
     except AnamorphError as error:
         raise AnamorphError(f"{path}: {error}") from None
+
+
+def _has_opencascade() -> bool:
+    try:
+        return find_spec("OCP") is not None
+    # What find_spec says of a module that is blocked.
+    except ValueError:
+        return False
 
 
 def _face(number: int, name: str, body: str, sign: float, curves: list[dict], **surface) -> CadFace:

@@ -8,6 +8,7 @@ a sphere of radius R up to the line x = -s, and beyond it curved ever more stron
 curvature are continuous at the line. Write the file anew with: python -m anamorph.scene.door_mirror FILE
 """
 
+# pyright: reportMissingImports=false
 from __future__ import annotations
 
 import sys

@@ -100,8 +100,8 @@ class NurbsSurface:
     def curvatures(self, uv: np.ndarray) -> np.ndarray:
         """Principal curvatures, (N, 2) float64, 1/m, the greater first, at parameters (N, 2).
 
-        Positive where the surface bends away from its normal: both are 1/R on a sphere seen from outside. At a pole
-        they are those of a point a thousandth of the domain inside.
+        Positive where the surface bends away from its normal: both are 1/R on a sphere seen from outside. Near a pole
+        they are those of a point a thousandth of the domain further inside.
         """
         uv = self._off_poles(np.asarray(uv, float).reshape(-1, 2))
         along_u, along_v = self.derivative(uv, 1, 0), self.derivative(uv, 0, 1)
@@ -123,7 +123,7 @@ class NurbsSurface:
         low, high = self.domain
         size = high - low
         sides = [np.linalg.norm(self.derivative(uv, *orders), axis=1) for orders in ((1, 0), (0, 1))]
-        pole = np.minimum(sides[0] * size[0], sides[1] * size[1]) <= 1e-7 * self.extent
+        pole = np.minimum(sides[0] * size[0], sides[1] * size[1]) <= 1e-4 * self.extent
         inward = np.where(uv < (low + high) / 2.0, size, -size)
         return np.where(pole[:, None], uv + 1e-3 * inward, uv)
 

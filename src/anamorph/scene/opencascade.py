@@ -4,6 +4,7 @@ It runs apart because OpenCASCADE ends the whole process at some damaged files, 
 is a dictionary of arrays: a NURBS surface, and the curves in (u, v) that trim it. It imports nothing of anamorph.
 """
 
+# pyright: reportMissingImports=false
 from __future__ import annotations
 
 import os

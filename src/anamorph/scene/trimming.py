@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
-from scipy.spatial import Delaunay, cKDTree
+from scipy.spatial import Delaunay, KDTree
 
 from anamorph.scene.nurbs import NurbsSurface, basis
 
@@ -86,16 +86,8 @@ def tessellate(surface: NurbsSurface, curves: Sequence[TrimCurve], density: int)
     lattice = lattice[_within(lattice, *corners)]
     along = np.linspace(0.0, 1.0, 5)[:, None, None]
     near = ((1.0 - along) * corners[0] + along * corners[1]).reshape(-1, 2)
-    lattice = lattice[cKDTree(near).query(lattice)[0] > CLEARANCE] if len(lattice) else lattice
-    for _ in range(ROUNDS):
-        outline, ends, border = _outline(curves, segments, low, scale)
-        points = np.concatenate([border, lattice])
-        triangles = Delaunay(points).simplices
-        sides = np.sort(np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]]), axis=1)
-        missing = ~np.isin(_key(np.sort(ends, axis=1)), _key(sides)) & (ends[:, 0] != ends[:, 1])
-        if not missing.any():
-            break
-        segments = [piece for segment, cut in zip(segments, missing, strict=True) for piece in _halves(segment, cut)]
+    lattice = lattice[KDTree(near).query(lattice)[0] > CLEARANCE] if len(lattice) else lattice
+    points, triangles, outline = _triangulated(curves, segments, lattice, low, scale)
     a, b, c = np.moveaxis(points[triangles], 1, 0)
     area = (b - a)[:, 0] * (c - a)[:, 1] - (b - a)[:, 1] * (c - a)[:, 0]
     triangles = np.where(area[:, None] < 0.0, triangles[:, ::-1], triangles)
@@ -103,6 +95,23 @@ def tessellate(surface: NurbsSurface, curves: Sequence[TrimCurve], density: int)
     used, faces = np.unique(triangles[kept], return_inverse=True)
     parameters = np.clip(low + points[used] * scale, *surface.domain)
     return parameters, faces.reshape(-1, 3).astype(np.int32)
+
+
+def _triangulated(
+    curves: Sequence[TrimCurve], segments: list[Segment], lattice: np.ndarray, low: np.ndarray, scale: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Points (V, 2) in cells, triangles between them, and the straight pieces of the border, all sides of triangles."""
+    turn = 0
+    while True:
+        turn += 1
+        outline, ends, border = _outline(curves, segments, low, scale)
+        points = np.concatenate([border, lattice])
+        triangles = Delaunay(points).simplices
+        sides = np.sort(np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]]), axis=1)
+        missing = ~np.isin(_key(np.sort(ends, axis=1)), _key(sides)) & (ends[:, 0] != ends[:, 1])
+        if turn == ROUNDS or not missing.any():
+            return points, triangles, outline
+        segments = [piece for segment, cut in zip(segments, missing, strict=True) for piece in _halves(segment, cut)]
 
 
 Segment = tuple[int, float, float]
@@ -175,7 +184,7 @@ def _outline(
     points = ends.reshape(-1, 2)
     # Curves that meet end at one point, but for the tolerance of the program that made them.
     group = np.arange(len(points))
-    for one, other in sorted(cKDTree(points).query_pairs(JOINED)):
+    for one, other in sorted(KDTree(points).query_pairs(JOINED)):
         group[other] = group[one]
     chosen, rows = np.unique(group, return_inverse=True)
     points = points[chosen]

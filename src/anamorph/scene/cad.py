@@ -100,13 +100,25 @@ class CadFace:
 def load_cad(path: str | Path, choice: FaceChoice | None = None, material: Material | None = None) -> tuple[Mesh, ...]:
     """The chosen faces of a STEP or IGES file as meshes, in metres; matt unless a material is given."""
     choice = choice or FaceChoice()
+    return meshes_of(chosen_faces(path, choice), choice.density, str(path), material)
+
+
+def chosen_faces(path: str | Path, choice: FaceChoice) -> tuple[CadFace, ...]:
+    """The chosen faces of a STEP or IGES file."""
     if not 1 <= choice.density <= MOST_DENSE:
         raise AnamorphError(f"{path}: density is {choice.density}; give 1 to {MOST_DENSE} cells along a face")
     chosen = choose(read_cad(path), choice.faces, str(path))
+    return tuple(face.turned() for face in chosen) if choice.flip else chosen
+
+
+def meshes_of(
+    faces: tuple[CadFace, ...], density: int, where: str, material: Material | None = None
+) -> tuple[Mesh, ...]:
+    """Faces of the file `where` as meshes."""
     try:
-        return tuple((face.turned() if choice.flip else face).mesh(choice.density, material) for face in chosen)
+        return tuple(face.mesh(density, material) for face in faces)
     except AnamorphError as error:
-        raise AnamorphError(f"{path}: {error}") from None
+        raise AnamorphError(f"{where}: {error}") from None
 
 
 def read_cad(path: str | Path) -> tuple[CadFace, ...]:

@@ -6,7 +6,7 @@ from pathlib import Path
 
 from anamorph.errors import AnamorphError
 from anamorph.scene import builtin, cad
-from anamorph.scene.cad import FaceChoice
+from anamorph.scene.cad import FaceChoice, chosen_faces
 from anamorph.scene.checks import check_scene
 from anamorph.scene.files import nearest
 from anamorph.scene.framing import stand_before_mirror
@@ -39,8 +39,8 @@ def open_scene(
         )
     if mirror_of:
         scene, settings = open_scene(mirror_of)
-        mirror = load_model(path, choice=choice)
-        return check_scene(replace_mirror(scene, mirror, str(path))), settings
+        choice = choice or FaceChoice()
+        return check_scene(replace_mirror(scene, chosen_faces(path, choice), choice.density, str(path))), settings
     if str(source) in builtin.names():
         return check_scene(builtin.make(str(source))), Settings()
     if suffix == ".toml":

@@ -7,11 +7,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from anamorph.errors import AnamorphError
+from anamorph.scene.cad import CadFace, meshes_of
 from anamorph.scene.load import Part, uniquely_named
 from anamorph.scene.model import Mesh, Mirror, Scene
 from anamorph.scene.normals import doubled_areas
 from anamorph.scene.transform import Similarity, transform
 
+FRAME_DENSITY = 48
 WORLD_UP = np.array([0.0, 1.0, 0.0])
 DRAWING_UP = np.array([0.0, 0.0, 1.0])
 """z is up in CAD programs."""
@@ -33,24 +35,27 @@ class Frame:
     axes: np.ndarray
 
 
-def replace_mirror(scene: Scene, meshes: tuple[Mesh, ...], where: str) -> Scene:
-    """The scene with `meshes` in place of its mirror, of the same material, their frame laid on that mirror's.
+def replace_mirror(scene: Scene, faces: tuple[CadFace, ...], density: int, where: str) -> Scene:
+    """The scene with CAD faces in place of its mirror, of the same material, their frame laid on that mirror's.
 
     Parameters
     ----------
     scene : Scene
         One with a part called 'mirror', or a single mirror.
-    meshes : tuple of Mesh
+    faces : tuple of CadFace
         In the axes of a CAD file: z up, or y up for a mirror that faces along z.
+    density : int
+        Of the meshes; the place does not depend on it.
     where : str
-        What to call the meshes' file in messages.
+        What to call the faces' file in messages.
     """
     number = _mirror_of(scene)
     old = scene.meshes[number]
-    here, there = bounding_frame(meshes, DRAWING_UP, where), bounding_frame((old,), WORLD_UP, f"scene '{scene.name}'")
+    here = bounding_frame(meshes_of(faces, FRAME_DENSITY, where), DRAWING_UP, where)
+    there = bounding_frame((old,), WORLD_UP, f"scene '{scene.name}'")
     rotation = there.axes.T @ here.axes
     by = Similarity(1.0, rotation, there.center - rotation @ here.center)
-    moved = [replace(transform(mesh, by), material=old.material) for mesh in meshes]
+    moved = [transform(mesh, by) for mesh in meshes_of(faces, density, where, old.material)]
     parts = [*scene.meshes[:number], *moved, *scene.meshes[number + 1 :]]
     return replace(scene, meshes=tuple(part.mesh for part in uniquely_named(map(Part, parts))))
 

@@ -74,7 +74,7 @@ def test_a_rational_sphere_is_round_everywhere_poles_and_seam_included(u, v, sig
     surface, uv = sphere_surface(sign=sign), np.array([[u, v]])
     outward = (surface.position(uv) - CENTER) / RADIUS
     assert np.linalg.norm(outward) == pytest.approx(1.0, abs=1e-14)
-    np.testing.assert_allclose(surface.normal(uv), sign * outward, atol=1e-9)
+    np.testing.assert_allclose(surface.normal(uv), sign * outward, atol=1e-8)
     np.testing.assert_allclose(surface.curvatures(uv), [[sign / RADIUS] * 2], rtol=1e-6)
 
 

@@ -99,7 +99,9 @@ def _name(known: Any, shape: Any) -> str:
 def _face(face: Any) -> dict[str, Any] | None:
     """Surface and trim curves of one face; None for one without an area."""
     # Orientation is taken off, because along with it the two sides of a seam would change places.
-    converted = TopoDS.Face(BRepBuilderAPI_NurbsConvert(face.Oriented(TopAbs_FORWARD)).Shape())
+    converted = TopoDS.Face(face.Oriented(TopAbs_FORWARD))
+    if not isinstance(BRep_Tool.Surface_s(converted), Geom_BSplineSurface):
+        converted = TopoDS.Face(BRepBuilderAPI_NurbsConvert(converted).Shape())
     low_u, high_u, low_v, high_v = BRepTools.UVBounds_s(converted)
     surface = BRep_Tool.Surface_s(converted)
     if not isinstance(surface, Geom_BSplineSurface) or not (low_u < high_u and low_v < high_v):

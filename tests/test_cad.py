@@ -21,6 +21,7 @@ from OCP.STEPControl import STEPControl_AsIs, STEPControl_Writer
 from OCP.TopLoc import TopLoc_Location
 from OCP.TopoDS import TopoDS_Shell
 
+from anamorph.cli import main
 from anamorph.errors import AnamorphError
 from anamorph.methods.paths import PathTracer
 from anamorph.rays import Caster
@@ -373,3 +374,12 @@ def test_a_scene_file_names_faces_density_and_material(tmp_path):
 def test_mistakes_in_a_scene_file_are_named(tmp_path, model, says):
     with pytest.raises(AnamorphError, match=rf"^[^\n]*{says}[^\n]*$"):
         load_scene_file(scene_file(tmp_path, model))
+
+
+def test_the_command_line_chooses_scene_faces_and_density(tmp_path, capsys):
+    render = ["render", str(door_mirror.FILE), "-o", str(tmp_path / "a.png"), "--size", "64x48", "-m", "raytrace"]
+    assert main([*render, "--scene", "car-mirror", "--faces", "1,gl*", "--density", "6"]) == 0
+    assert (tmp_path / "a.png").is_file()
+    for wrong in (["--faces", "1,,2"], ["--density", "0"], ["--faces", "9"]):
+        assert main([*render, *wrong]) == 2
+        assert capsys.readouterr().err.count("\n") == 1

@@ -28,7 +28,7 @@ BELOW: dict[str, set[str]] = {
     "cameras": {"scene", "raymesh"},
     "gpu": {"scene", "frame", "projection"},
     "methods": {"scene", "raymesh", "rays", "optics", "frame", "projection", "gpu", "cameras"},
-    "measure": {"scene", "frame", "gpu", "methods"},
+    "measure": {"scene", "optics", "frame", "gpu", "methods"},
     "viewer": {"scene", "raymesh", "rays", "optics", "frame", "projection", "gpu", "cameras", "methods", "measure"},
 }
 """What each room may import, besides itself and the foundations."""

@@ -302,6 +302,6 @@ def test_opening_by_name_by_file_and_by_neither(folder: Path) -> None:
     ]:
         with pytest.raises(AnamorphError, match=re.escape(words)):
             open_scene(wrong)
-    (folder / "model.step").write_bytes(struct.pack("<i", 0))
-    with pytest.raises(AnamorphError, match=r"'\.step' is no known model"):
-        open_scene(folder / "model.step")
+    (folder / "model.3dm").write_bytes(struct.pack("<i", 0))
+    with pytest.raises(AnamorphError, match=r"'\.3dm' is no known model"):
+        open_scene(folder / "model.3dm")

@@ -125,7 +125,7 @@ def test_where_a_corner_collapses_to_second_order_the_normal_is_finite():
 
 
 def test_a_patch_without_area_is_refused_in_one_line():
-    with pytest.raises(AnamorphError, match=r"^Bezier patch: [^\n]*line[^\n]*$"):
+    with pytest.raises(AnamorphError, match=r"^surface: [^\n]*line[^\n]*$"):
         BezierPatch(FLAT * (1.0, 0.0, 0.0)).normal(np.array([[0.5, 0.5]]))
 
 

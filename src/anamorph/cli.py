@@ -11,13 +11,16 @@ import shlex
 import sys
 from collections.abc import Sequence
 from pathlib import Path
-from typing import NoReturn
+from typing import TYPE_CHECKING, NoReturn
 
 from anamorph.errors import AnamorphError
 from anamorph.output import PICTURES, check_output, save_array, save_text
 from anamorph.progress import progress_bar
 from anamorph.quiet import hush
 from anamorph.versions import versions
+
+if TYPE_CHECKING:
+    from anamorph.scene.cad import FaceChoice
 
 SEEN = ("position", "object_id", "specular", "status", "deviation")
 
@@ -26,6 +29,7 @@ EXAMPLES = """examples:
   anamorph render model.glb -m environment -o model.png --size 1920x1080
   anamorph render car-mirror -m pervertex:antialias=4,mipmaps=true -o mirror.webp --seen position=seen.npy
   anamorph render car-mirror --tolerance 0.5 -o sure.png --seen status=status.npy deviation=deviation.npy
+  anamorph render mirror.step --scene car-mirror --faces 1 -o mirror.png
   anamorph compare car-mirror -m pervertex -m environment --html report.html --json report.json
   anamorph demo
 """
@@ -73,7 +77,7 @@ def _render(arguments: argparse.Namespace) -> None:
     if arguments.method:
         parse(arguments.method)
     with progress_bar(f"rendering {arguments.scene}"):
-        scene, settings = open_scene(arguments.scene)
+        scene, settings = open_scene(arguments.scene, _face_choice(arguments), arguments.mirror_of)
         size = arguments.size or settings.size
         view = View(scene, scene.camera, size, samples=arguments.samples)
         specification = arguments.method or settings.method
@@ -102,7 +106,7 @@ def _compare(arguments: argparse.Namespace) -> None:
         if arguments.tolerance is not None and hasattr(method.options, "tolerance"):
             specs[number] = with_option(spec, "tolerance", arguments.tolerance)
     with progress_bar(f"opening {arguments.scene}") as tell:
-        scene, settings = open_scene(arguments.scene)
+        scene, settings = open_scene(arguments.scene, _face_choice(arguments), arguments.mirror_of)
         size = arguments.size or settings.size
         comparison = compare(scene, specs, size, command=arguments.command_line, progress=tell)
     if arguments.json:
@@ -136,6 +140,15 @@ def _demo(arguments: argparse.Namespace) -> None:
         comparison = make_demo(arguments.output, arguments.command_line, tell)
     print_table(comparison)
     print(f"Pictures and the page are in {arguments.output}; open {arguments.output / 'index.html'}")
+
+
+def _face_choice(arguments: argparse.Namespace) -> FaceChoice | None:
+    """What the command line says of the faces of a CAD file; None where it says nothing."""
+    from anamorph.scene.cad import FaceChoice
+
+    said = {"faces": arguments.faces, "density": arguments.density, "flip": arguments.flip or None}
+    said = {name: value for name, value in said.items() if value is not None}
+    return FaceChoice(**said) if said else None
 
 
 def _check_distinct(*paths: Path) -> None:
@@ -173,6 +186,19 @@ def _samples(text: str) -> int:
     return int(text)
 
 
+def _faces(text: str) -> tuple[int | str, ...]:
+    entries = [entry.strip() for entry in text.split(",")]
+    if not all(entries):
+        raise argparse.ArgumentTypeError(f"'{text}' names no faces; write numbers or names with commas, like 1,3")
+    return tuple(int(entry) if entry.isascii() and entry.isdigit() else entry for entry in entries)
+
+
+def _density(text: str) -> int:
+    if not (text.isascii() and text.isdigit() and int(text) > 0):
+        raise argparse.ArgumentTypeError(f"'{text}' is no density; write a whole number of cells along a face")
+    return int(text)
+
+
 def _seen(text: str) -> tuple[str, Path]:
     name, equals, path = text.partition("=")
     if name not in SEEN or not equals or not path:
@@ -196,7 +222,16 @@ def _parser() -> argparse.ArgumentParser:
         added.set_defaults(run=run)
         return added
 
-    scene = "a built-in scene, a scene file (.toml) or any model file (.glb, .gltf, .obj, .stl, .ply)"
+    def cad(added: argparse.ArgumentParser) -> None:
+        group = added.add_argument_group("CAD files (.step, .stp, .iges, .igs)")
+        group.add_argument(
+            "--scene", metavar="SCENE", dest="mirror_of", help="put the CAD mirror where this scene has its own"
+        )
+        group.add_argument("--faces", metavar="1,3|NAME", type=_faces, help="only these faces, by number or name (all)")
+        group.add_argument("--density", metavar="N", type=_density, help="cells along the longer side of a face (24)")
+        group.add_argument("--flip", action="store_true", help="the other side of the faces is their outside")
+
+    scene = "a built-in scene, a scene file (.toml) or any model file (.glb, .gltf, .obj, .stl, .ply, .step, .iges)"
     size = "size of the picture in pixels, like 1024x768"
     method = "a method and its options: METHOD[:option=value,...]"
 
@@ -228,6 +263,8 @@ def _parser() -> argparse.ArgumentParser:
     compare.add_argument("--json", metavar="FILE", type=Path, help="write the figures as JSON")
     compare.add_argument("--html", metavar="FILE", type=Path, help="write one page with pictures, errors and figures")
 
+    cad(render)
+    cad(compare)
     command("scenes", _scenes, "list the built-in scenes")
     command("info", _info, "print the graphics adapter, the versions and the methods")
     demo = command("demo", _demo, "render car-mirror by three methods, with a page that compares them")

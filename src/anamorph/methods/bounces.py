@@ -13,7 +13,7 @@ import numpy as np
 
 from anamorph.compiled import compiled
 from anamorph.frame import Status
-from anamorph.optics.exact import BEZIER, NONE, PLANE, along, cross, dot, meet, unit
+from anamorph.optics.exact import BEZIER, NONE, NURBS, PLANE, along, cross, dot, meet, unit
 from anamorph.scene.camera import Vector
 
 DIFFUSE, MIRROR, GLASS = range(3)
@@ -45,7 +45,9 @@ class World(NamedTuple):
     surface: np.ndarray
     """(objects + 1,) int64: the kind of exact surface, from `exact.pack`."""
     numbers: np.ndarray
-    """(objects + 1, 48) float64: its numbers."""
+    """(N,) float64: the numbers of all of them, one after the other."""
+    first_number: np.ndarray
+    """(objects + 2,) int64: object i owns numbers first_number[i] to first_number[i + 1]."""
     near: float
     """`Caster.near`, metres."""
     max_bounces: int
@@ -207,7 +209,8 @@ def _surface_normal(
         for corner in range(3):
             u += weights[corner] * world.parameters[face[corner], 0]
             v += weights[corner] * world.parameters[face[corner], 1]
-        met, exact, normal = meet(kind, world.numbers[item], origin, direction, distance, u, v, geometric)
+        numbers = world.numbers[world.first_number[item] : world.first_number[item + 1]]
+        met, exact, normal = meet(kind, numbers, origin, direction, distance, u, v, geometric)
         # The faces may be turned against the surface's own normals, as in a concave mirror cut from a sphere.
         turn = 1.0 if dot(normal, geometric) > 0.0 else -1.0
         normal = (turn * normal[0], turn * normal[1], turn * normal[2])
@@ -320,7 +323,9 @@ def advance(
         direction = (paths.direction[i, 0], paths.direction[i, 1], paths.direction[i, 2])
         outside, longest = _outside(world, face, direction)
         curved = world.surface[item] != NONE and world.surface[item] != PLANE
-        related = abs(left) == item or (world.surface[item] == BEZIER and world.surface[abs(left)] == BEZIER)
+        kind = world.surface[item]
+        # Patches of one body meet along borders where the one's mesh can stand before the other's surface.
+        related = abs(left) == item or (kind == world.surface[abs(left)] and kind in (BEZIER, NURBS))
         # An exact surface and its mesh do not coincide: a ray that leaves the one may first have to pass the other,
         # from the side it cannot be on. Rounding does the same to a flat one.
         passes = left != 0 and related and (left > 0) != outside and paths.distance[i] < skin

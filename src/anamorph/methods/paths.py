@@ -9,7 +9,7 @@ import numpy as np
 from anamorph.compiled import over_all_cores
 from anamorph.errors import AnamorphError
 from anamorph.methods.bounces import DIFFUSE, GLASS, MIRROR, WORDS, Paths, World, advance, start
-from anamorph.optics.exact import NUMBERS, pack
+from anamorph.optics.exact import pack
 from anamorph.optics.reflection import reflected_rays, reflector
 from anamorph.rays import Caster
 from anamorph.scene.camera import Camera
@@ -173,7 +173,8 @@ class PathTracer:
 def _world(scene: Scene, geometry: Geometry, near: float, max_bounces: int) -> World:
     count = len(scene.meshes) + 1
     material, surface = np.full((2, count), DIFFUSE, np.int64)
-    tint, constant, numbers = np.ones((count, 3)), np.zeros(count), np.zeros((count, NUMBERS))
+    tint, constant = np.ones((count, 3)), np.zeros(count)
+    numbers = [np.zeros(0)] * count
     parameters = np.zeros((len(geometry.positions), 2))
     for number, mesh in enumerate(scene.meshes, start=1):
         match mesh.material:
@@ -186,7 +187,8 @@ def _world(scene: Scene, geometry: Geometry, near: float, max_bounces: int) -> W
             parameters[geometry.first_vertex[number - 1] : geometry.first_vertex[number]] = mesh.parameters
     return World(
         geometry.positions, geometry.normals, parameters, geometry.faces, geometry.face_object,
-        material, tint, constant, surface, numbers, near, max_bounces,
+        material, tint, constant, surface, np.concatenate(numbers), np.cumsum([0, *map(len, numbers)]),
+        near, max_bounces,
     )  # fmt: skip
 
 

@@ -13,28 +13,29 @@ from numpy.typing import ArrayLike
 
 from anamorph.compiled import compiled
 from anamorph.errors import AnamorphError
+from anamorph.optics.piecewise import HEAD, pieces, point_and_tangents
 from anamorph.scene.camera import Vector
+from anamorph.scene.nurbs import NurbsSurface
 from anamorph.scene.surfaces import BezierPatch, Plane, Sphere, Surface
 
-NONE, PLANE, SPHERE, BEZIER = range(4)
+NONE, PLANE, SPHERE, BEZIER, NURBS = range(5)
 NUMBERS = 48
+"""Of a Bezier patch."""
 
 
 def pack(surface: Surface | None) -> tuple[int, np.ndarray]:
-    """The kind of `surface` and its numbers, (48,) float64, as the compiled functions read them."""
-    numbers = np.zeros(NUMBERS)
+    """The kind of `surface` and its numbers, (N,) float64, as the compiled functions read them."""
     match surface:
         case None:
-            return NONE, numbers
+            return NONE, np.zeros(0)
         case Plane():
-            numbers[:3], numbers[3:6] = surface.origin, surface.normal(np.zeros((1, 2)))[0]
-            return PLANE, numbers
+            return PLANE, np.concatenate([surface.origin, surface.normal(np.zeros((1, 2)))[0]])
         case Sphere():
-            numbers[:3], numbers[3] = surface.center, surface.radius
-            return SPHERE, numbers
+            return SPHERE, np.append(np.asarray(surface.center, float), surface.radius)
         case BezierPatch():
-            numbers[:] = np.ravel(surface.control)
-            return BEZIER, numbers
+            return BEZIER, np.ravel(np.asarray(surface.control, float))
+        case NurbsSurface():
+            return NURBS, np.append(pieces(surface), surface.sign)
     raise AnamorphError(f"surface: rays cannot be bent at a {type(surface).__name__}; leave the mesh's surface out")
 
 
@@ -92,8 +93,17 @@ def _patch(control: np.ndarray, u: float, v: float) -> tuple[Vector, Vector, Vec
 
 
 @compiled
+def _at(kind: int, numbers: np.ndarray, u: float, v: float) -> tuple[Vector, Vector, Vector]:
+    """Position and derivatives on a patch, by parameters from 0 to 1."""
+    if kind == NURBS:
+        return point_and_tangents(numbers, u, v)
+    return _patch(numbers, u, v)
+
+
+@compiled
 def _meet_patch(
-    control: np.ndarray,
+    kind: int,
+    numbers: np.ndarray,
     origin: Vector,
     direction: Vector,
     u: float,
@@ -105,11 +115,15 @@ def _meet_patch(
     else:
         across_1 = unit(cross(direction, (0.0, 1.0, 0.0)))
     across_2 = cross(direction, across_1)
-    extent = 0.0
-    for number in range(3, NUMBERS):
-        extent = max(extent, abs(control[number] - control[number % 3]))
+    extent, turn = 0.0, 1.0
+    if kind == NURBS:
+        extent, turn = numbers[HEAD - 1], numbers[-1]
+        u, v = (u - numbers[4]) / numbers[5], (v - numbers[6]) / numbers[7]
+    else:
+        for number in range(3, NUMBERS):
+            extent = max(extent, abs(numbers[number] - numbers[number % 3]))
 
-    position, along_u, along_v = _patch(control, u, v)
+    position, along_u, along_v = _at(kind, numbers, u, v)
     offset = along(position, -1.0, origin)
     started = dot(offset, direction)
     f, g = dot(offset, across_1), dot(offset, across_2)
@@ -123,7 +137,7 @@ def _meet_patch(
         # A little beyond the border, because the mesh there may stand before the neighbouring patch.
         next_u = min(max(u - share * (f * gv - fv * g) / determinant, -0.05), 1.05)
         next_v = min(max(v - share * (fu * g - f * gu) / determinant, -0.05), 1.05)
-        position, next_along_u, next_along_v = _patch(control, next_u, next_v)
+        position, next_along_u, next_along_v = _at(kind, numbers, next_u, next_v)
         next_offset = along(position, -1.0, origin)
         next_f, next_g = dot(next_offset, across_1), dot(next_offset, across_2)
         if next_f * next_f + next_g * next_g < f * f + g * g:
@@ -141,6 +155,7 @@ def _meet_patch(
             share *= 0.5
     distance = dot(offset, direction)
     normal = cross(along_u, along_v)
+    normal = (turn * normal[0], turn * normal[1], turn * normal[2])
     # Far from where the mesh was hit lies another sheet of the patch; a vanishing normal is a pole.
     met = (
         f * f + g * g <= (1e-9 * extent) ** 2
@@ -201,8 +216,8 @@ def meet(
             distance = middle - half if dot(from_center, facing) > 0.0 else middle + half
             normal = unit(along(along((0.0, 0.0, 0.0), distance, direction), -1.0, to_center))
             met = True
-    elif kind == BEZIER:
-        met, distance, normal = _meet_patch(numbers, origin, direction, u, v)
+    elif kind in (BEZIER, NURBS):
+        met, distance, normal = _meet_patch(kind, numbers, origin, direction, u, v)
     return met and distance > 0.0, distance, normal
 
 
@@ -244,7 +259,7 @@ def intersect(
 
     Parameters
     ----------
-    surface : Plane, Sphere or BezierPatch
+    surface : Plane, Sphere, BezierPatch or NurbsSurface
     origins, directions : (N, 3) array
         Unit directions.
     start_parameters : (N, 2) array

@@ -1,4 +1,4 @@
-"""Model files (glTF, GLB, OBJ, STL, PLY) as meshes, read through trimesh.
+"""Model files as meshes: glTF, GLB, OBJ, STL and PLY through trimesh, STEP and IGES through `scene/cad.py`.
 
 Lengths are taken as they are (glTF's are metres) unless a scale is given. Axes too: y should be up.
 """
@@ -19,17 +19,19 @@ import numpy as np
 import trimesh
 
 from anamorph.errors import AnamorphError
+from anamorph.scene import cad
 from anamorph.scene.checks import check_triangles
 from anamorph.scene.files import Folder, as_utf8, nearest, read
 from anamorph.scene.gltf import Gltf, read_gltf
 from anamorph.scene.looks import look
 from anamorph.scene.model import Mesh, Texture
 from anamorph.scene.normals import creased, has_area, repaired
+from anamorph.scene.transform import Similarity, transform
 
 UNNAMED = re.compile(r"^geometry(_\d+)?$")
 """What trimesh calls a mesh that has no name."""
 
-SUFFIXES = (".glb", ".gltf", ".obj", ".stl", ".ply")
+SUFFIXES = (".glb", ".gltf", ".obj", ".stl", ".ply", *cad.SUFFIXES)
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,20 +42,22 @@ class Part:
     material: str = ""
 
 
-def load_model(path: str | Path, scale: float = 1.0) -> tuple[Mesh, ...]:
+def load_model(path: str | Path, scale: float = 1.0, choice: cad.FaceChoice | None = None) -> tuple[Mesh, ...]:
     """The meshes of a model file, in world coordinates.
 
     Parameters
     ----------
     path : str or Path
-        A .glb, .gltf, .obj, .stl or .ply file.
+        A .glb, .gltf, .obj, .stl, .ply, .step, .stp, .iges or .igs file.
     scale : float
-        Metres in one unit of the file: 0.001 for millimetres.
+        Metres in one unit of the file: 0.001 for millimetres. CAD files name their unit, and need none.
+    choice : FaceChoice, optional
+        Which faces of a CAD file, and how fine.
     """
-    return tuple(part.mesh for part in load_parts(path, scale))
+    return tuple(part.mesh for part in load_parts(path, scale, choice))
 
 
-def load_parts(path: str | Path, scale: float = 1.0) -> tuple[Part, ...]:
+def load_parts(path: str | Path, scale: float = 1.0, choice: cad.FaceChoice | None = None) -> tuple[Part, ...]:
     """Like `load_model`, with the materials' names."""
     path = Path(path)
     suffix = path.suffix.lower()
@@ -62,6 +66,11 @@ def load_parts(path: str | Path, scale: float = 1.0) -> tuple[Part, ...]:
         raise AnamorphError(f"{path}: '{suffix}' is no known model; give one of {', '.join(SUFFIXES)}{hint}")
     if not (np.isfinite(scale) and scale > 0):
         raise AnamorphError(f"{path}: scale is {scale}; give a positive number of metres for one unit")
+    if suffix in cad.SUFFIXES:
+        by = Similarity(scale, np.eye(3), np.zeros(3))
+        return uniquely_named(Part(transform(mesh, by)) for mesh in cad.load_cad(path, choice))
+    if choice is not None:
+        raise AnamorphError(f"{path}: faces and density are for CAD files ({', '.join(cad.SUFFIXES)}); leave them out")
     data = read(path, "model file")
     data = _in_utf8(data, suffix)
     gltf = read_gltf(data, path) if suffix in (".glb", ".gltf") else None

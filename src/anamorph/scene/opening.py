@@ -5,31 +5,48 @@ from __future__ import annotations
 from pathlib import Path
 
 from anamorph.errors import AnamorphError
-from anamorph.scene import builtin
+from anamorph.scene import builtin, cad
+from anamorph.scene.cad import FaceChoice, chosen_faces
 from anamorph.scene.checks import check_scene
 from anamorph.scene.files import nearest
 from anamorph.scene.framing import stand_before_mirror
 from anamorph.scene.load import SUFFIXES, load_model
 from anamorph.scene.model import Scene
+from anamorph.scene.placing import replace_mirror
 from anamorph.scene.scenefile import Settings, load_scene_file
 
 
-def open_scene(source: str | Path) -> tuple[Scene, Settings]:
+def open_scene(
+    source: str | Path, choice: FaceChoice | None = None, mirror_of: str | Path | None = None
+) -> tuple[Scene, Settings]:
     """The scene, checked, and how it wants to be drawn.
 
     Parameters
     ----------
     source : str or Path
         The name of a built-in scene, a .toml scene file, or a model file, which is stood before a convex mirror.
+    choice : FaceChoice, optional
+        Which faces of a CAD file, and how fine.
+    mirror_of : str or Path, optional
+        A scene whose mirror the CAD file `source` replaces.
     """
-    if str(source) in builtin.names():
-        return check_scene(builtin.make(str(source))), Settings()
     path = Path(source)
     suffix = path.suffix.lower()
+    if suffix not in cad.SUFFIXES and (choice or mirror_of):
+        raise AnamorphError(
+            f"{source}: --scene, --faces, --density and --flip are for CAD files ({', '.join(cad.SUFFIXES)}); "
+            "leave them out"
+        )
+    if mirror_of:
+        scene, settings = open_scene(mirror_of)
+        choice = choice or FaceChoice()
+        return check_scene(replace_mirror(scene, chosen_faces(path, choice), choice.density, str(path))), settings
+    if str(source) in builtin.names():
+        return check_scene(builtin.make(str(source))), Settings()
     if suffix == ".toml":
         return load_scene_file(path)
     if suffix in SUFFIXES or path.is_file():
-        return check_scene(stand_before_mirror(load_model(path), path.stem)), Settings()
+        return check_scene(stand_before_mirror(load_model(path, choice=choice), path.stem)), Settings()
     known = builtin.names()
     raise AnamorphError(
         f"'{source}' is no scene{nearest(str(source), known)} (built in: {', '.join(known)}); "

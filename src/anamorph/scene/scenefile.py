@@ -11,6 +11,7 @@ import numpy as np
 
 from anamorph.errors import AnamorphError
 from anamorph.scene import builtin
+from anamorph.scene.cad import FaceChoice
 from anamorph.scene.camera import Camera
 from anamorph.scene.checks import check_scene
 from anamorph.scene.files import nearest, read_texture
@@ -23,6 +24,7 @@ from anamorph.scene.model import (
     Glass,
     Light,
     Material,
+    Mesh,
     Mirror,
     PointLight,
     Scene,
@@ -87,9 +89,27 @@ def _similarity(table: Table) -> Similarity:
 
 
 def _model(table: Table) -> list[Part]:
-    table.only("file", *TRANSFORM)
-    by = _similarity(table)
-    return [replace(part, mesh=transform(part.mesh, by)) for part in load_parts(table.file("file"))]
+    table.only("file", "faces", "density", "flip", "mirror", "glass", "diffuse", *TRANSFORM)
+    by, material = _similarity(table), _material(table)
+
+    def placed(mesh: Mesh) -> Mesh:
+        return replace(transform(mesh, by), material=material or mesh.material)
+
+    return [replace(part, mesh=placed(part.mesh)) for part in load_parts(table.file("file"), choice=_choice(table))]
+
+
+def _choice(table: Table) -> FaceChoice | None:
+    """What a [[model]] says of the faces of a CAD file; None where it says nothing."""
+    if not {"faces", "density", "flip"} & set(table.values):
+        return None
+    faces = table.values.get("faces", [])
+    faces = faces if isinstance(faces, list) else [faces]
+    if not all(type(entry) in (int, str) for entry in faces):
+        table.wrong("faces", f"faces is {faces!r}; give numbers and names, as [1, 'glass']")
+    density = table.values.get("density", FaceChoice.density)
+    if type(density) is not int:
+        table.wrong("density", f"density is {density!r}; give a whole number of cells along a face")
+    return FaceChoice(tuple(faces), density, _flag(table, "flip"))
 
 
 def _changed(parts: list[Part], table: Table) -> list[Part]:

@@ -8,6 +8,7 @@ import numpy as np
 
 from anamorph.errors import AnamorphError
 from anamorph.scene.model import Mesh
+from anamorph.scene.nurbs import NurbsSurface
 from anamorph.scene.surfaces import BezierPatch, Plane, Sphere, Surface
 
 
@@ -68,4 +69,6 @@ def _surface(name: str, surface: Surface, by: Similarity) -> Surface:
             return Sphere(by.points(center), by.scale * radius, np.asarray(axes, float) @ by.rotation.T)
         case BezierPatch(control=control):
             return BezierPatch(by.points(control))
+        case NurbsSurface(poles=poles):
+            return replace(surface, poles=by.points(poles))
     raise AnamorphError(f"part '{name}': a {type(surface).__name__} cannot be moved; move the rest of the scene")

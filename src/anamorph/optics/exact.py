@@ -13,10 +13,12 @@ from numpy.typing import ArrayLike
 
 from anamorph.compiled import compiled
 from anamorph.errors import AnamorphError
+from anamorph.optics.sag import meet_sag
 from anamorph.scene.camera import Vector
+from anamorph.scene.sag import EvenAsphere, Toroid
 from anamorph.scene.surfaces import BezierPatch, Plane, Sphere, Surface
 
-NONE, PLANE, SPHERE, BEZIER = range(4)
+NONE, PLANE, SPHERE, BEZIER, TOROID, ASPHERE = range(6)
 NUMBERS = 48
 
 
@@ -35,6 +37,16 @@ def pack(surface: Surface | None) -> tuple[int, np.ndarray]:
         case BezierPatch():
             numbers[:] = np.ravel(surface.control)
             return BEZIER, numbers
+        case Toroid():
+            numbers[:3], numbers[3:12] = surface.apex, np.ravel(surface.axes)
+            numbers[12:14] = surface.base_curvature, surface.cross_curvature
+            return TOROID, numbers
+        case EvenAsphere():
+            count = len(surface.coefficients)
+            numbers[:3], numbers[3:12] = surface.apex, np.ravel(surface.axes)
+            numbers[12:15] = surface.curvature, surface.conic, count
+            numbers[15 : 15 + count] = surface.coefficients
+            return ASPHERE, numbers
     raise AnamorphError(f"surface: rays cannot be bent at a {type(surface).__name__}; leave the mesh's surface out")
 
 
@@ -151,6 +163,25 @@ def _meet_patch(
 
 
 @compiled
+def _turn(axes: np.ndarray, vector: Vector) -> Vector:
+    """A vector in a surface's own coordinates; `axes` are nine numbers, right, up and outward."""
+    return (
+        axes[0] * vector[0] + axes[1] * vector[1] + axes[2] * vector[2],
+        axes[3] * vector[0] + axes[4] * vector[1] + axes[5] * vector[2],
+        axes[6] * vector[0] + axes[7] * vector[1] + axes[8] * vector[2],
+    )
+
+
+@compiled
+def _turn_back(axes: np.ndarray, vector: Vector) -> Vector:
+    return (
+        axes[0] * vector[0] + axes[3] * vector[1] + axes[6] * vector[2],
+        axes[1] * vector[0] + axes[4] * vector[1] + axes[7] * vector[2],
+        axes[2] * vector[0] + axes[5] * vector[1] + axes[8] * vector[2],
+    )
+
+
+@compiled
 def meet(
     kind: int,
     numbers: np.ndarray,
@@ -203,6 +234,17 @@ def meet(
             met = True
     elif kind == BEZIER:
         met, distance, normal = _meet_patch(numbers, origin, direction, u, v)
+    elif kind == TOROID or kind == ASPHERE:
+        axes = numbers[3:12]
+        met, distance, normal = meet_sag(
+            kind == TOROID,
+            numbers[12:],
+            _turn(axes, along(origin, -1.0, (numbers[0], numbers[1], numbers[2]))),
+            _turn(axes, direction),
+            distance,
+            _turn(axes, facing),
+        )
+        normal = _turn_back(axes, normal)
     return met and distance > 0.0, distance, normal
 
 
@@ -244,7 +286,7 @@ def intersect(
 
     Parameters
     ----------
-    surface : Plane, Sphere or BezierPatch
+    surface : Plane, Sphere, BezierPatch, Toroid or EvenAsphere
     origins, directions : (N, 3) array
         Unit directions.
     start_parameters : (N, 2) array

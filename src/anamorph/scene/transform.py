@@ -8,6 +8,7 @@ import numpy as np
 
 from anamorph.errors import AnamorphError
 from anamorph.scene.model import Mesh
+from anamorph.scene.sag import EvenAsphere, Toroid
 from anamorph.scene.surfaces import BezierPatch, Plane, Sphere, Surface
 
 
@@ -68,4 +69,11 @@ def _surface(name: str, surface: Surface, by: Similarity) -> Surface:
             return Sphere(by.points(center), by.scale * radius, np.asarray(axes, float) @ by.rotation.T)
         case BezierPatch(control=control):
             return BezierPatch(by.points(control))
+        case Toroid(apex=apex, base_curvature=base, cross_curvature=cross, axes=axes):
+            turned = np.asarray(axes, float) @ by.rotation.T
+            return Toroid(by.points(apex), base / by.scale, cross / by.scale, turned)
+        case EvenAsphere(apex=apex, curvature=curvature, conic=conic, coefficients=values, axes=axes):
+            turned = np.asarray(axes, float) @ by.rotation.T
+            scaled = tuple(value * by.scale ** (-3 - 2 * power) for power, value in enumerate(values))
+            return EvenAsphere(by.points(apex), curvature / by.scale, conic, scaled, turned)
     raise AnamorphError(f"part '{name}': a {type(surface).__name__} cannot be moved; move the rest of the scene")

@@ -234,7 +234,7 @@ def meet(
             met = True
     elif kind == BEZIER:
         met, distance, normal = _meet_patch(numbers, origin, direction, u, v)
-    elif kind == TOROID or kind == ASPHERE:
+    elif kind in (TOROID, ASPHERE):
         axes = numbers[3:12]
         met, distance, normal = meet_sag(
             kind == TOROID,
@@ -249,7 +249,7 @@ def meet(
 
 
 @compiled
-def _meet_all(
+def meet_all(
     kind: int,
     numbers: np.ndarray,
     origins: np.ndarray,
@@ -261,6 +261,7 @@ def _meet_all(
     normals: np.ndarray,
     ok: np.ndarray,
 ) -> None:
+    """`meet` for N rays: fills `positions` (N, 3), `normals` (N, 3) and `ok` (N,)."""
     for i in range(len(origins)):
         origin = (origins[i, 0], origins[i, 1], origins[i, 2])
         direction = (directions[i, 0], directions[i, 1], directions[i, 2])
@@ -307,5 +308,5 @@ def intersect(
     facing = surface.normal(parameters)
     facing = np.where(np.sum(facing * directions, axis=1, keepdims=True) > 0.0, -facing, facing)
     positions, normals, ok = np.empty_like(origins), np.empty_like(origins), np.empty(len(origins), bool)
-    _meet_all(kind, numbers, origins, directions, distances, parameters, facing, positions, normals, ok)
+    meet_all(kind, numbers, origins, directions, distances, parameters, facing, positions, normals, ok)
     return positions, normals, ok

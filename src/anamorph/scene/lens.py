@@ -105,10 +105,10 @@ def edge_thickness(prescription: Prescription) -> float:
 def _check_radii(prescription: Prescription) -> None:
     """Both faces must reach the edge."""
     per_power = 1e-3 / (prescription.index - 1.0)
-    powers = {"front": (prescription.front_power,)}
-    powers["back"] = tuple(prescription.back_power(prescription.sphere + more) for more in (0.0, prescription.cylinder))
-    steepest = {side: max(map(abs, values)) * per_power for side, values in powers.items()}
-    for side, curvature in steepest.items():
+    back = (prescription.back_power(prescription.sphere + more) for more in (0.0, prescription.cylinder))
+    steepest = {"front": abs(prescription.front_power), "back": max(map(abs, back))}
+    for side, power in steepest.items():
+        curvature = power * per_power
         # The prism tilts the back by a little, hence the margin.
         if curvature * prescription.diameter / 2.0 > 0.95:
             raise AnamorphError(

@@ -122,5 +122,6 @@ def round_surface(apex: np.ndarray, axes: np.ndarray, curvature: float) -> Spher
     right, up, outward = axes = np.asarray(axes, float)
     if abs(curvature) < FLAT:
         return Plane(np.asarray(apex, float), right, up)
-    # Seen from its hollow side, a sphere's own outward axis points the other way.
-    return Sphere(apex - outward / curvature, 1.0 / abs(curvature), axes if curvature > 0.0 else axes * [[1], [-1], [-1]])
+    # Where the surface is hollow, the sphere's own outward axis points the other way.
+    own = axes if curvature > 0.0 else np.stack([right, -up, -outward])
+    return Sphere(apex - outward / curvature, 1.0 / abs(curvature), own)

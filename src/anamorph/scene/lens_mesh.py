@@ -11,7 +11,7 @@ from anamorph.errors import AnamorphError
 from anamorph.scene.model import Color, Diffuse, Glass, Mesh
 from anamorph.scene.surfaces import Surface
 
-EDGE: Color = (0.55, 0.58, 0.58)
+EDGE: Color = (0.14, 0.15, 0.15)
 
 
 class LensSurface(Surface, Protocol):

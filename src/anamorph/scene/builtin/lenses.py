@@ -114,7 +114,8 @@ def rim(lens: Lens, outward: tuple[float, float, float], wire: float) -> Shape:
     along = (lens.edge.positions - middle) @ axes[2]
     radius = float(np.linalg.norm((lens.edge.positions - middle) @ axes[:2].T, axis=1).max())
     low, high = float(along.min()) - 0.2 * wire, float(along.max()) + 0.2 * wire
-    inner, outer = radius - 0.25 * wire, radius + wire
+    # Clear of the glass: it must not cut into a face.
+    inner, outer = radius + 0.03 * wire, radius + wire
     band = lathe([(inner, low), (outer, low), (outer, high), (inner, high), (inner, low)], 96)
     return placed(band, middle, axes[[0, 2, 1]] * [[1], [1], [-1]])
 

@@ -119,7 +119,7 @@ def test_of_two_hits_that_on_the_side_of_the_start_is_taken(surface, slant):
     for direction in (entering, -entering):
         point = surface.position(uv)
         origin = point - 0.4 * direction
-        positions, normals, ok = intersect(surface, origin, direction, uv)
+        positions, _, ok = intersect(surface, origin, direction, uv)
         assert ok.all()
         np.testing.assert_allclose(positions, point, atol=1e-12)
     # A start that has slipped over the top finds the entry by its facing, not the exit that is nearer.

@@ -287,22 +287,29 @@ def test_the_ray_tracer_follows_light_through_the_exact_faces(name):
     np.testing.assert_allclose(records[at_wall, 4:7], directions, atol=2e-7)
 
 
-@pytest.mark.parametrize(("name", "low", "high"), [
-    ("spectacles-minus", 0.7, 0.8), ("spectacles-plus", 1.6, 2.0), ("magnifier", -0.24, -0.14),
-])  # fmt: skip
-def test_built_in_lenses_reduce_magnify_and_reverse(name, low, high):
+@pytest.mark.parametrize(
+    ("name", "distance", "power", "shape"),
+    [
+        ("spectacles-minus", 0.060, -6.0, 1.0 / (1.0 - 1.4e-3 / 1.6 * 3.0)),
+        ("spectacles-plus", 0.070, 6.0, 1.0 / (1.0 - 9e-3 / 1.6 * 12.0)),
+        ("magnifier", 0.76, 10.0, 1.0),
+    ],
+)
+def test_built_in_lenses_reduce_magnify_and_reverse_as_the_formulae_say(name, distance, power, shape):
     scene = builtin.make(name)
     front, back = scene.meshes[:2]
     prepared = refractor(back, front)
     rays = refracted_rays(prepared, scene.camera, SIZE)
-    axis = scene.camera.axes()[2]
-    offset = prepared.positions[1:7] - scene.camera.position
-    # What is 3 m beyond the lens: how far aside it is seen, and how far aside it is.
-    ends = rays.origins[1:7] + 3.0 / (rays.unit_directions()[1:7] @ axis)[:, None] * rays.unit_directions()[1:7]
-    place = ends - scene.camera.position
+    axis, first_ring, far = scene.camera.axes()[2], slice(1, 7), 3.0
+    offset = prepared.positions[first_ring] - scene.camera.position
+    # How far aside a thing is seen, and how far aside it is.
+    direction = rays.unit_directions()[first_ring]
+    place = rays.origins[first_ring] + far / (direction @ axis)[:, None] * direction - scene.camera.position
     aside = [vectors / (vectors @ axis)[:, None] - axis for vectors in (offset, place)]
     factor = np.sum(aside[0] * aside[1], axis=1) / np.sum(aside[1] ** 2, axis=1)
-    assert (low < factor).all() and (factor < high).all()
+    expected = shape * (distance + far) / distance / (1.0 + far * (1.0 / distance - power))
+    np.testing.assert_allclose(factor, expected, rtol=0.03)
+    assert (name == "spectacles-plus") == (expected > 1.0) and (name == "magnifier") == (expected < 0.0)
 
 
 def test_what_is_no_lens_is_refused_in_one_line():

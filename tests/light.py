@@ -43,12 +43,12 @@ def snell(directions: np.ndarray, normals: np.ndarray, eta: float) -> np.ndarray
 
 
 def through(
-    lens: Lens, origins: np.ndarray, directions: np.ndarray, index: float, from_back: bool = False, reach: float = 0.1
+    lens: Lens, origins: np.ndarray, directions: np.ndarray, index: float, from_back: bool = False, reach: float = 0.06
 ) -> tuple[np.ndarray, np.ndarray]:
     """Where rays (N, 3) that start within `reach` metres of the lens leave it, and their unit directions then."""
     origins, directions = np.atleast_2d(origins), np.atleast_2d(directions)
     first, second = surfaces(lens)[::-1] if from_back else surfaces(lens)
     points = meet(first, origins, directions, 0.0, reach)
     inside = snell(directions, first.normal(first.parameters(points)), 1.0 / index)
-    ends = meet(second, points, inside, 1e-6, 0.05)
+    ends = meet(second, points, inside, 1e-6, 0.02)
     return ends, snell(inside, second.normal(second.parameters(ends)), index)

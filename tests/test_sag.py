@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from anamorph.errors import AnamorphError
-from anamorph.optics.exact import intersect
+from anamorph.optics.exact import intersect, meet, pack
 from anamorph.scene.model import Mesh
 from anamorph.scene.sag import MOST_COEFFICIENTS, EvenAsphere, Toroid
 from anamorph.scene.surfaces import Sphere
@@ -109,25 +109,29 @@ def test_hits_are_those_of_a_root_finder(surface, seed):
 
 
 @pytest.mark.parametrize("surface", [Toroid(np.zeros(3), 10.0, 6.0), EvenAsphere(np.zeros(3), 8.0, -0.5, (30.0,))])
-@pytest.mark.parametrize("slant", [0.3, 0.1, 0.03])
-def test_of_two_hits_that_on_the_side_of_the_start_is_taken(surface, slant):
+@pytest.mark.parametrize("slant", [0.15, 0.05, 0.005])
+@pytest.mark.parametrize("start", [-0.2, 0.1, 0.4, 0.6, 0.9, 1.2])
+def test_of_two_hits_the_side_that_the_mesh_faces_decides(surface, slant, start):
     uv = np.array([[0.004, -0.003]])
-    normal = surface.normal(uv)
-    along = np.cross(normal, [[0.0, 1.0, 0.0]])
-    entering = along / np.linalg.norm(along) - slant * normal
-    entering /= np.linalg.norm(entering)
-    for direction in (entering, -entering):
-        point = surface.position(uv)
-        origin = point - 0.4 * direction
-        positions, _, ok = intersect(surface, origin, direction, uv)
-        assert ok.all()
-        np.testing.assert_allclose(positions, point, atol=1e-12)
-    # A start that has slipped over the top finds the entry by its facing, not the exit that is nearer.
-    origin = surface.position(uv) - 0.4 * entering
-    slipped = uv - 0.002 * slant * np.sign(entering[:, :2])
-    positions, _, ok = intersect(surface, origin, entering, slipped)
-    assert ok.all()
-    np.testing.assert_allclose(positions, surface.position(uv), atol=1e-12)
+    point, normal = surface.position(uv)[0], surface.normal(uv)[0]
+    along = np.cross(normal, [0.0, 1.0, 0.0])
+    direction = along / np.linalg.norm(along) - slant * normal
+    direction /= np.linalg.norm(direction)
+    origin = point - 0.4 * direction
+    # From the turning point, where the ray runs along the surface, out to far below or above it.
+    samples = 0.4 + np.linspace(0.2 * slant / 8.0, 4.0 * slant / 8.0, 2000)
+    places = origin + samples[:, None] * direction
+    height = places[:, 2] - surface.position(surface.parameters(places))[:, 2]
+    last = samples[np.argmax(height > 0.0)]
+    kind, numbers = pack(surface)
+    ends = []
+    for facing in (normal, -normal):
+        ray = tuple(origin), tuple(direction), 0.4 + start * (last - 0.4), 0.0, 0.0, tuple(facing)
+        met, distance, found = meet(kind, numbers, *ray)
+        assert met and np.sign(np.dot(found, direction)) == -np.sign(np.dot(facing, normal))
+        ends.append(distance)
+    assert ends[0] == pytest.approx(0.4, abs=1e-11)
+    assert ends[1] == pytest.approx(last, abs=2e-3 * slant)
 
 
 @pytest.mark.parametrize("surface", [Toroid(np.zeros(3), 10.0, 6.0), EvenAsphere(np.zeros(3), 8.0)])

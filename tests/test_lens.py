@@ -120,6 +120,8 @@ def test_a_lens_is_closed_wound_outward_and_on_its_exact_surfaces(prescription, 
     for mesh in lens.meshes[:2]:
         assert mesh.surface is not None and mesh.parameters is not None
         np.testing.assert_allclose(mesh.surface.position(mesh.parameters), mesh.positions, atol=2e-7)
+        # The apex is (0, 0), far from where the parameters of a sphere jump.
+        np.testing.assert_allclose(mesh.parameters[0], 0.0, atol=1e-9)
         away = mesh.surface.position(mesh.parameters) - place
         border = away[-6 * rings_for(vertices) :] @ axes[:2].T
         np.testing.assert_allclose(np.linalg.norm(border, axis=1), 5e-4 * prescription.diameter, rtol=1e-9)

@@ -72,6 +72,7 @@ def changed(array: np.ndarray, index: Any, value: float) -> np.ndarray:
         ({"material": Mirror(back=(1.0, float("inf"), 1.0))}, "back"),
         ({"material": Glass(index=0.0)}, "index is 0.0"),
         ({"material": Glass(index=float("nan"))}, "index is nan"),
+        ({"material": Glass(abbe=0.0)}, "abbe is 0.0"),
         ({"material": Diffuse(color=(float("nan"), 0.0, 0.0))}, "color"),
         ({"material": Diffuse(texture=Texture(np.zeros((2, 2, 4), np.uint8)))}, "no texture coordinates"),
         ({"material": Diffuse(texture=Texture(np.zeros((2, 2, 3), np.uint8)))}, "(H, W, 4) uint8"),

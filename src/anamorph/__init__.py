@@ -17,6 +17,10 @@ if TYPE_CHECKING:
     from anamorph.raymesh import RayMesh as RayMesh
     from anamorph.rendering import render as render
     from anamorph.scene.camera import Camera as Camera
+    from anamorph.scene.lens import Lens as Lens
+    from anamorph.scene.lens import Prescription as Prescription
+    from anamorph.scene.lens import make_lens as make_lens
+    from anamorph.scene.lens import worn_lens as worn_lens
     from anamorph.scene.load import load_model as load_model
     from anamorph.scene.model import AmbientLight as AmbientLight
     from anamorph.scene.model import Diffuse as Diffuse
@@ -29,6 +33,8 @@ if TYPE_CHECKING:
     from anamorph.scene.model import Sky as Sky
     from anamorph.scene.model import Texture as Texture
     from anamorph.scene.opening import open_scene as open_scene
+    from anamorph.scene.sag import EvenAsphere as EvenAsphere
+    from anamorph.scene.sag import Toroid as Toroid
     from anamorph.scene.surfaces import BezierPatch as BezierPatch
     from anamorph.scene.surfaces import Plane as Plane
     from anamorph.scene.surfaces import Sphere as Sphere
@@ -41,12 +47,14 @@ _HOMES = {
     "anamorph.raymesh": ("RayMesh",),
     "anamorph.rendering": ("render",),
     "anamorph.scene.camera": ("Camera",),
+    "anamorph.scene.lens": ("Lens", "Prescription", "make_lens", "worn_lens"),
     "anamorph.scene.load": ("load_model",),
     "anamorph.scene.model": (
         "AmbientLight", "Diffuse", "DirectionalLight", "Glass", "Mesh",
         "Mirror", "PointLight", "Scene", "Sky", "Texture",
     ),
     "anamorph.scene.opening": ("open_scene",),
+    "anamorph.scene.sag": ("EvenAsphere", "Toroid"),
     "anamorph.scene.surfaces": ("BezierPatch", "Plane", "Sphere"),
 }  # fmt: skip
 _HOME_OF = {name: home for home, names in _HOMES.items() for name in names}

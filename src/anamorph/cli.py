@@ -120,7 +120,7 @@ def _scenes(arguments: argparse.Namespace) -> None:
     from anamorph.scene.builtin import SCENES
 
     for scene in SCENES.values():
-        print(f"{scene.name:12} {scene.summary}")
+        print(f"{scene.name:16} {scene.summary}")
 
 
 def _info(arguments: argparse.Namespace) -> None:

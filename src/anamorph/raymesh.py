@@ -9,11 +9,16 @@ import numpy as np
 
 
 class RayStatus(IntEnum):
-    """How a vertex got its ray."""
+    """How a vertex got its ray, or why it has none that is seen.
+
+    BACK_FACING: the eye sees the other side. TOTAL_REFLECTION: no light leaves the lens on this way. LEFT_BY_EDGE: the
+    ray leaves the lens by its edge, and not by the other face.
+    """
 
     OK = 0
     BACK_FACING = 1
     TOTAL_REFLECTION = 2
+    LEFT_BY_EDGE = 3
 
 
 @dataclass(frozen=True, eq=False)

@@ -14,11 +14,13 @@ from numpy.typing import ArrayLike
 from anamorph.compiled import compiled
 from anamorph.errors import AnamorphError
 from anamorph.optics.piecewise import HEAD, pieces, point_and_tangents
+from anamorph.optics.sag import meet_sag
 from anamorph.scene.camera import Vector
 from anamorph.scene.nurbs import NurbsSurface
+from anamorph.scene.sag import EvenAsphere, Toroid
 from anamorph.scene.surfaces import BezierPatch, Plane, Sphere, Surface
 
-NONE, PLANE, SPHERE, BEZIER, NURBS = range(5)
+NONE, PLANE, SPHERE, BEZIER, NURBS, TOROID, ASPHERE = range(7)
 NUMBERS = 48
 """Of a Bezier patch."""
 
@@ -36,6 +38,13 @@ def pack(surface: Surface | None) -> tuple[int, np.ndarray]:
             return BEZIER, np.ravel(np.asarray(surface.control, float))
         case NurbsSurface():
             return NURBS, np.append(pieces(surface), surface.sign)
+        case Toroid():
+            curvatures = [surface.base_curvature, surface.cross_curvature]
+            return TOROID, np.concatenate([surface.apex, np.ravel(surface.axes), curvatures])
+        case EvenAsphere():
+            count = len(surface.coefficients)
+            shape = [surface.curvature, surface.conic, count, *surface.coefficients]
+            return ASPHERE, np.concatenate([surface.apex, np.ravel(surface.axes), shape])
     raise AnamorphError(f"surface: rays cannot be bent at a {type(surface).__name__}; leave the mesh's surface out")
 
 
@@ -166,6 +175,25 @@ def _meet_patch(
 
 
 @compiled
+def _turn(axes: np.ndarray, vector: Vector) -> Vector:
+    """A vector in a surface's own coordinates; `axes` are nine numbers, right, up and outward."""
+    return (
+        axes[0] * vector[0] + axes[1] * vector[1] + axes[2] * vector[2],
+        axes[3] * vector[0] + axes[4] * vector[1] + axes[5] * vector[2],
+        axes[6] * vector[0] + axes[7] * vector[1] + axes[8] * vector[2],
+    )
+
+
+@compiled
+def _turn_back(axes: np.ndarray, vector: Vector) -> Vector:
+    return (
+        axes[0] * vector[0] + axes[3] * vector[1] + axes[6] * vector[2],
+        axes[1] * vector[0] + axes[4] * vector[1] + axes[7] * vector[2],
+        axes[2] * vector[0] + axes[5] * vector[1] + axes[8] * vector[2],
+    )
+
+
+@compiled
 def meet(
     kind: int,
     numbers: np.ndarray,
@@ -218,11 +246,22 @@ def meet(
             met = True
     elif kind in (BEZIER, NURBS):
         met, distance, normal = _meet_patch(kind, numbers, origin, direction, u, v)
+    elif kind in (TOROID, ASPHERE):
+        axes = numbers[3:12]
+        met, distance, normal = meet_sag(
+            kind == TOROID,
+            numbers[12:],
+            _turn(axes, along(origin, -1.0, (numbers[0], numbers[1], numbers[2]))),
+            _turn(axes, direction),
+            distance,
+            _turn(axes, facing),
+        )
+        normal = _turn_back(axes, normal)
     return met and distance > 0.0, distance, normal
 
 
 @compiled
-def _meet_all(
+def meet_all(
     kind: int,
     numbers: np.ndarray,
     origins: np.ndarray,
@@ -234,6 +273,7 @@ def _meet_all(
     normals: np.ndarray,
     ok: np.ndarray,
 ) -> None:
+    """`meet` for N rays: fills `positions` (N, 3), `normals` (N, 3) and `ok` (N,)."""
     for i in range(len(origins)):
         origin = (origins[i, 0], origins[i, 1], origins[i, 2])
         direction = (directions[i, 0], directions[i, 1], directions[i, 2])
@@ -259,7 +299,7 @@ def intersect(
 
     Parameters
     ----------
-    surface : Plane, Sphere, BezierPatch or NurbsSurface
+    surface : Plane, Sphere, BezierPatch, NurbsSurface, Toroid or EvenAsphere
     origins, directions : (N, 3) array
         Unit directions.
     start_parameters : (N, 2) array
@@ -280,5 +320,5 @@ def intersect(
     facing = surface.normal(parameters)
     facing = np.where(np.sum(facing * directions, axis=1, keepdims=True) > 0.0, -facing, facing)
     positions, normals, ok = np.empty_like(origins), np.empty_like(origins), np.empty(len(origins), bool)
-    _meet_all(kind, numbers, origins, directions, distances, parameters, facing, positions, normals, ok)
+    meet_all(kind, numbers, origins, directions, distances, parameters, facing, positions, normals, ok)
     return positions, normals, ok

@@ -61,11 +61,8 @@ def reflected_rays(mirror: Reflector, camera: Camera, size: tuple[int, int]) -> 
     -------
     RayMesh
     """
-    width, height = size
     offset = mirror.positions - np.asarray(camera.position)
-    across, up, depth = camera.axes() @ offset.T
-    focal = height / (2.0 * np.tan(np.radians(camera.field_of_view) / 2.0))
-    picture = np.stack([focal * across + width / 2.0 * depth, height / 2.0 * depth - focal * up, depth], axis=-1)
+    picture = camera.picture(mirror.positions, size)
     away = np.einsum("ij,ij->i", offset, mirror.normals) >= 0.0
     status = np.where(away, np.uint8(RayStatus.BACK_FACING), np.uint8(RayStatus.OK))
     # Directions as long as the eye's distance are linear on a flat mirror, so that interpolating them is exact there.

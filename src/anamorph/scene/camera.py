@@ -56,3 +56,16 @@ class Camera:
         y = (height / 2.0 - np.asarray(pixels)[..., 1]) * scale
         directions = x[..., None] * right + y[..., None] * up + forward
         return directions / np.linalg.norm(directions, axis=-1, keepdims=True)
+
+    def picture(self, points: np.ndarray, size: tuple[int, int]) -> np.ndarray:
+        """Where points (N, 3) appear in a picture of `size` (width, height).
+
+        Returns
+        -------
+        (N, 3) float64
+            Homogeneous: (x w, y w, w), with x, y in pixels from the top left corner and w the depth in metres.
+        """
+        width, height = size
+        across, up, depth = self.axes() @ (np.asarray(points, float) - self.position).T
+        focal = height / (2.0 * np.tan(np.radians(self.field_of_view) / 2.0))
+        return np.stack([focal * across + width / 2.0 * depth, height / 2.0 * depth - focal * up, depth], axis=-1)

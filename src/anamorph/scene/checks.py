@@ -136,10 +136,12 @@ def _check_material(mesh: Mesh, where: str) -> None:
             _check_color(where, "back", back)
             if not 0.0 <= reflectance <= 1.0:
                 raise AnamorphError(f"{where}: reflectance is {reflectance}; give a number from 0 to 1")
-        case Glass(index=index, tint=tint):
+        case Glass(index=index, tint=tint, abbe=abbe):
             _check_color(where, "tint", tint)
             if not (np.isfinite(index) and index > 0):
                 raise AnamorphError(f"{where}: index is {index}; give a positive refractive index, 1.5 for glass")
+            if abbe is not None and not (np.isfinite(abbe) and abbe > 0):
+                raise AnamorphError(f"{where}: abbe is {abbe}; give a positive Abbe number, 58 for plastic")
 
 
 def _check_light(light: Light, where: str) -> None:

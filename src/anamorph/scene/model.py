@@ -46,10 +46,14 @@ class Mirror:
 
 @dataclass(frozen=True, eq=False)
 class Glass:
-    """A clear dielectric of refractive `index` inside, 1 outside; `tint` is applied at each crossing."""
+    """A clear dielectric of refractive `index` inside, 1 outside; `tint` is applied at each crossing.
+
+    `abbe` is its Abbe number; without one, light of all colours goes one way.
+    """
 
     index: float = 1.5
     tint: Color = WHITE
+    abbe: float | None = None
 
 
 Material = Diffuse | Mirror | Glass

@@ -43,6 +43,11 @@ class Plane:
         normal = np.cross(self.edge_u, self.edge_v)
         return np.broadcast_to(normal / np.linalg.norm(normal), (len(uv), 3)).copy()
 
+    def parameters(self, points: np.ndarray) -> np.ndarray:
+        """The (u, v), (N, 2) float64, of the plane's points nearest to `points` (N, 3)."""
+        edges = np.stack([self.edge_u, self.edge_v]).astype(float)
+        return (np.asarray(points, float) - self.origin) @ np.linalg.pinv(edges)
+
 
 @dataclass(frozen=True, eq=False)
 class Sphere:

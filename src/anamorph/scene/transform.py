@@ -9,6 +9,7 @@ import numpy as np
 from anamorph.errors import AnamorphError
 from anamorph.scene.model import Mesh
 from anamorph.scene.nurbs import NurbsSurface
+from anamorph.scene.sag import EvenAsphere, Toroid
 from anamorph.scene.surfaces import BezierPatch, Plane, Sphere, Surface
 
 
@@ -71,4 +72,11 @@ def _surface(name: str, surface: Surface, by: Similarity) -> Surface:
             return BezierPatch(by.points(control))
         case NurbsSurface(poles=poles):
             return replace(surface, poles=by.points(poles))
+        case Toroid(apex=apex, base_curvature=base, cross_curvature=cross, axes=axes):
+            turned = np.asarray(axes, float) @ by.rotation.T
+            return Toroid(by.points(apex), base / by.scale, cross / by.scale, turned)
+        case EvenAsphere(apex=apex, curvature=curvature, conic=conic, coefficients=values, axes=axes):
+            turned = np.asarray(axes, float) @ by.rotation.T
+            scaled = tuple(value * by.scale ** (-3 - 2 * power) for power, value in enumerate(values))
+            return EvenAsphere(by.points(apex), curvature / by.scale, conic, scaled, turned)
     raise AnamorphError(f"part '{name}': a {type(surface).__name__} cannot be moved; move the rest of the scene")

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from anamorph.errors import AnamorphError
 from anamorph.scene.builtin.car_mirror import car_mirror
 from anamorph.scene.builtin.flat_mirror import flat_mirror
+from anamorph.scene.builtin.lenses import magnifier, spectacles_minus, spectacles_plus
 from anamorph.scene.builtin.room import room
 from anamorph.scene.builtin.spheres import spheres
 from anamorph.scene.model import Scene
@@ -32,6 +33,9 @@ SCENES: dict[str, BuiltIn] = {
         BuiltIn("spheres", "a mirror ball and a flat mirror among coloured balls, all of closed form", spheres),
         BuiltIn("room", "a polished Utah teapot, of 32 Bezier patches, on a table in a room", room),
         BuiltIn("flat-mirror", "a flat wall mirror of two triangles, seen aslant", flat_mirror),
+        BuiltIn("spectacles-minus", "a lens of -6 D before an eye in a room: all smaller", spectacles_minus),
+        BuiltIn("spectacles-plus", "a lens of +6 D before an eye in a room: all larger", spectacles_plus),
+        BuiltIn("magnifier", "a reading glass of +10 D at arm's length in a street: all reversed", magnifier),
     )
 }
 

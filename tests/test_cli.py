@@ -17,16 +17,25 @@ import trimesh
 from PIL import Image
 from rich.console import Console
 
+import anamorph
 from anamorph import demo, progress
 
 COMMAND = [sys.executable, "-m", "anamorph"]
+HOME = Path(anamorph.__file__).resolve().parents[1]
+"""Where the package that is tested lies, whatever relative path it was found by."""
+
+
+def environment(**changed: str) -> dict[str, str]:
+    """That of a user with no private run-time directory, from whichever directory the command is run."""
+    path = os.pathsep.join([str(HOME), *filter(None, [os.environ.get("PYTHONPATH")])])
+    kept = {name: value for name, value in os.environ.items() if name != "XDG_RUNTIME_DIR"}
+    return kept | {"PYTHONPATH": path} | changed
 
 
 def run(*arguments: str, directory: Path | None = None) -> subprocess.CompletedProcess[str]:
-    """Run the command as a user whose output is piped would, with no private run-time directory."""
-    environment = {name: value for name, value in os.environ.items() if name != "XDG_RUNTIME_DIR"}
+    """Run the command as a user whose output is piped would."""
     return subprocess.run(
-        [*COMMAND, *arguments], capture_output=True, text=True, cwd=directory, env=environment, timeout=300
+        [*COMMAND, *arguments], capture_output=True, text=True, cwd=directory, env=environment(), timeout=300
     )
 
 
@@ -158,9 +167,60 @@ def test_bad_input_is_one_line_and_leaves_no_file(arguments, told, tmp_path):
     assert os.listdir(tmp_path) == ["damaged.glb"]
 
 
+# Signals itself when a module is first looked for, so that the moment is the same on every machine. A library may
+# guard its imports against every exception, which swallows an interrupt that is one.
+AT_A_MOMENT = """
+import os, signal, sys
+class Moment:
+    def find_spec(name, path=None, target=None):
+        if name == {moment!r}:
+            signal.raise_signal(signal.SIGINT)
+sys.argv = ["anamorph", "render", "flat-mirror", "-o", "a.png", "--size", "64x48"]
+sys.meta_path.insert(0, Moment)
+from anamorph.__main__ import main
+sys.exit(main())
+"""
+
+
+@pytest.mark.parametrize("moment", ["anamorph.cli", "numpy", "rich.progress", "trimesh", "networkx", "wgpu", "numba"])
+def test_an_interrupt_during_the_imports_is_one_line_and_the_end(moment, tmp_path):
+    program = [sys.executable, "-c", AT_A_MOMENT.format(moment=moment)]
+    ended = subprocess.run(program, capture_output=True, text=True, cwd=tmp_path, env=environment(), timeout=60)
+    assert (ended.returncode, ended.stdout) == (130, "")
+    assert ended.stderr == "anamorph: error: interrupted; files that are there are whole\n"
+    assert os.listdir(tmp_path) == []
+
+
+# Interrupts while a file is half written, and from within a callback, which cannot pass an exception on.
+WHILE_WRITING = """
+import ctypes, signal
+from anamorph.interrupt import leave_on_interrupt
+from anamorph.output import whole_file
+leave_on_interrupt()
+with whole_file("a.json") as file:
+    file.write(b"half")
+    ctypes.CFUNCTYPE(None)(lambda: signal.raise_signal(signal.SIGINT))()
+"""
+
+
+def test_an_interrupt_in_a_callback_while_a_file_is_written_leaves_no_part_of_it(tmp_path):
+    program = [sys.executable, "-c", WHILE_WRITING]
+    ended = subprocess.run(program, capture_output=True, text=True, cwd=tmp_path, env=environment(), timeout=60)
+    assert (ended.returncode, ended.stderr.count("\n")) == (130, 1)
+    assert os.listdir(tmp_path) == []
+
+
+def test_a_command_that_is_to_ignore_interrupts_does():
+    program = "import signal; from anamorph.interrupt import leave_on_interrupt as leave\n" + (
+        "signal.signal(signal.SIGINT, signal.SIG_IGN); leave(); signal.raise_signal(signal.SIGINT)"
+    )
+    assert subprocess.run([sys.executable, "-c", program], env=environment(), timeout=60).returncode == 0
+
+
 def test_an_interrupt_says_so_and_leaves_no_part_of_a_file(tmp_path):
     arguments = ["compare", "car-mirror", "--json", "a.json", "--html", "a.html"]
-    with subprocess.Popen([*COMMAND, *arguments], cwd=tmp_path, stderr=subprocess.PIPE, text=True) as process:
+    pipes = {"stderr": subprocess.PIPE, "text": True, "env": environment()}
+    with subprocess.Popen([*COMMAND, *arguments], cwd=tmp_path, **pipes) as process:
         time.sleep(1.5)
         process.send_signal(signal.SIGINT)
         error = process.communicate(timeout=60)[1]
@@ -170,7 +230,7 @@ def test_an_interrupt_says_so_and_leaves_no_part_of_a_file(tmp_path):
 
 
 def test_a_reader_who_has_enough_is_no_error():
-    buffered = {name: value for name, value in os.environ.items() if name != "PYTHONUNBUFFERED"}
+    buffered = environment(PYTHONUNBUFFERED="")
     pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE}
     with subprocess.Popen([*COMMAND, "scenes"], env=buffered, text=True, **pipes) as process:
         process.stdout.close()

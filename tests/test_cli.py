@@ -14,11 +14,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 import trimesh
+import wgpu
 from PIL import Image
 from rich.console import Console
 
 import anamorph
-from anamorph import demo, progress
+from anamorph import cli, demo, progress
 
 COMMAND = [sys.executable, "-m", "anamorph"]
 HOME = Path(anamorph.__file__).resolve().parents[1]
@@ -165,6 +166,28 @@ def test_bad_input_is_one_line_and_leaves_no_file(arguments, told, tmp_path):
     (tmp_path / "damaged.glb").write_bytes(b"glTF\x02\x00\x00\x00 no more")
     assert told in one_line_error(run(*arguments, directory=tmp_path))
     assert os.listdir(tmp_path) == ["damaged.glb"]
+
+
+@pytest.mark.parametrize("kind", [wgpu.GPUValidationError, wgpu.GPUInternalError, wgpu.GPUError])
+def test_a_failing_device_is_one_line(kind, monkeypatch, capsys):
+    def fail(arguments):
+        raise kind("Validation Error\n\nCaused by:\n  In Queue::submit\n    Parent device is lost\n")
+
+    monkeypatch.setattr(cli, "_scenes", fail)
+    assert cli.main(["scenes"]) == 2
+    told = capsys.readouterr()
+    assert told.err.startswith("anamorph: error: the graphics device failed (Validation Error Caused by")
+    assert "device is lost" in told.err
+    assert (told.out, told.err.count("\n")) == ("", 1)
+
+
+def test_a_fault_of_the_program_is_not_called_one_of_the_device(monkeypatch):
+    def fail(arguments):
+        raise ZeroDivisionError
+
+    monkeypatch.setattr(cli, "_scenes", fail)
+    with pytest.raises(ZeroDivisionError):
+        cli.main(["scenes"])
 
 
 # Signals itself when a module is first looked for, so that the moment is the same on every machine. A library may

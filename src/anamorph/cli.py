@@ -51,7 +51,18 @@ def main(argv: Sequence[str] | None = None) -> int:
         return 141
     except OSError as error:
         return _fail(f"{error.filename or 'system'}: {error.strerror or error}; check the path and its permissions", 2)
+    except Exception as error:
+        if not _of_device(error):
+            raise
+        said = " ".join(str(error).split())
+        return _fail(f"the graphics device failed ({said[:200]}); try a smaller --size, or another driver", 2)
     return 0
+
+
+def _of_device(error: Exception) -> bool:
+    """Whether the device refused or was lost; wgpu is not imported for the question."""
+    wgpu = sys.modules.get("wgpu")
+    return wgpu is not None and isinstance(error, (wgpu.GPUError, wgpu.GPUPipelineError))
 
 
 def _fail(message: str, code: int) -> int:

@@ -28,8 +28,8 @@ def draw_frame(view: View, specification: str, seen: bool = False) -> Frame:
 
 def accumulate(view: View, session: Session, seen: bool = False) -> Frame:
     """Average the shifted pictures that `view.samples` asks for; seen buffers are those of pixel centres."""
-    if not 1 <= view.samples <= MAXIMUM_SAMPLES:
-        raise AnamorphError(f"samples is {view.samples}; give a number from 1 to {MAXIMUM_SAMPLES} a side")
+    if not isinstance(view.samples, int) or not 1 <= view.samples <= MAXIMUM_SAMPLES:
+        raise AnamorphError(f"samples is {view.samples}; give a whole number from 1 to {MAXIMUM_SAMPLES} a side")
     steps = (np.arange(view.samples) + 0.5) / view.samples - 0.5
     total = np.zeros((view.size[1], view.size[0], 3))
     for y in steps:

@@ -9,7 +9,7 @@ from anamorph.scene import builtin
 from anamorph.scene.checks import check_scene
 from anamorph.scene.files import nearest
 from anamorph.scene.framing import stand_before_mirror
-from anamorph.scene.load import SUFFIXES, load_model
+from anamorph.scene.load import SUFFIXES, load_parts
 from anamorph.scene.model import Scene
 from anamorph.scene.scenefile import Settings, load_scene_file
 
@@ -29,7 +29,8 @@ def open_scene(source: str | Path) -> tuple[Scene, Settings]:
     if suffix == ".toml":
         return load_scene_file(path)
     if suffix in SUFFIXES or path.is_file():
-        return check_scene(stand_before_mirror(load_model(path), path.stem)), Settings()
+        meshes = tuple(part.mesh for part in load_parts(path, near=True))
+        return check_scene(stand_before_mirror(meshes, path.stem)), Settings()
     known = builtin.names()
     raise AnamorphError(
         f"'{source}' is no scene{nearest(str(source), known)} (built in: {', '.join(known)}); "

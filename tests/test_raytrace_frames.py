@@ -9,10 +9,10 @@ import pytest
 from scenes import CAMERA, SIZE, drawn, flat_mirror, open_view, pixels_of, scene_with, spherical_mirror, surroundings
 
 from anamorph.errors import AnamorphError
-from anamorph.frame import Status
+from anamorph.frame import Status, View
 from anamorph.gpu.device import get_device
 from anamorph.measure.errors import silhouettes
-from anamorph.methods import raytrace
+from anamorph.methods import tiles
 from anamorph.methods.paths import specular_rectangle
 from anamorph.rendering import draw_frame
 from anamorph.scene import builtin
@@ -106,7 +106,7 @@ def test_supersampling_averages_shifted_frames():
             session.draw(CAMERA, (x, y))
             shifted.append(session.frame().color)
     expected = np.mean(shifted, axis=0)
-    view = raytrace.View(CURVED, CAMERA, SIZE, 2)
+    view = View(CURVED, CAMERA, SIZE, 2)
     frame = draw_frame(view, "raytrace", seen=True)
     assert frame.color == pytest.approx(expected, abs=1e-6)
     assert (frame.position == drawn(CURVED, "raytrace").position).all()
@@ -137,8 +137,8 @@ class SmallDevice:
 @pytest.mark.parametrize("rows", [1, 7])
 def test_several_bands_give_the_same_frame(traced, monkeypatch, rows):
     x0, _, x1, _ = specular_rectangle(CURVED, CAMERA, SIZE)
-    small = SmallDevice(rows * (x1 - x0) * raytrace.RECORD_BYTES)
-    monkeypatch.setattr(raytrace, "get_device", lambda: small)
+    small = SmallDevice(rows * (x1 - x0) * tiles.RECORD_BYTES)
+    monkeypatch.setattr(tiles, "get_device", lambda: small)
     session = open_view(CURVED, "raytrace")
     session.draw(replace(CAMERA, position=(0.0, 0.6, 2.5)))
     session.draw(CAMERA)

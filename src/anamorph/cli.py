@@ -19,12 +19,13 @@ from anamorph.progress import progress_bar
 from anamorph.quiet import hush
 from anamorph.versions import versions
 
-SEEN = ("position", "object_id", "specular", "status")
+SEEN = ("position", "object_id", "specular", "status", "deviation")
 
 EXAMPLES = """examples:
   anamorph render car-mirror -o mirror.png
   anamorph render model.glb -m environment -o model.png --size 1920x1080
   anamorph render car-mirror -m pervertex:antialias=4,mipmaps=true -o mirror.webp --seen position=seen.npy
+  anamorph render car-mirror --tolerance 0.5 -o sure.png --seen status=status.npy deviation=deviation.npy
   anamorph compare car-mirror -m pervertex -m environment --html report.html --json report.json
   anamorph demo
 """
@@ -76,7 +77,7 @@ def _render(arguments: argparse.Namespace) -> None:
         check_output(path, (".npy",))
     _check_distinct(arguments.output, *(path for _, path in arguments.seen))
     from anamorph.frame import View
-    from anamorph.methods import parse
+    from anamorph.methods import parse, with_option
     from anamorph.rendering import draw_frame
     from anamorph.scene.opening import open_scene
 
@@ -86,7 +87,10 @@ def _render(arguments: argparse.Namespace) -> None:
         scene, settings = open_scene(arguments.scene)
         size = arguments.size or settings.size
         view = View(scene, scene.camera, size, samples=arguments.samples)
-        frame = draw_frame(view, arguments.method or settings.method, seen=bool(arguments.seen))
+        specification = arguments.method or settings.method
+        if arguments.tolerance is not None:
+            specification = with_option(specification, "tolerance", arguments.tolerance)
+        frame = draw_frame(view, specification, seen=bool(arguments.seen))
     frame.save(arguments.output)
     for name, path in arguments.seen:
         save_array(path, getattr(frame, name))
@@ -100,12 +104,14 @@ def _compare(arguments: argparse.Namespace) -> None:
     from anamorph.measure.compare import compare
     from anamorph.measure.report import report_page
     from anamorph.measure.table import print_table
-    from anamorph.methods import METHODS, parse
+    from anamorph.methods import METHODS, parse, with_option
     from anamorph.scene.opening import open_scene
 
     specs = arguments.method or list(METHODS)
-    for spec in specs:
-        parse(spec)
+    for number, spec in enumerate(specs):
+        method, _ = parse(spec)
+        if arguments.tolerance is not None and hasattr(method.options, "tolerance"):
+            specs[number] = with_option(spec, "tolerance", arguments.tolerance)
     with progress_bar(f"opening {arguments.scene}") as tell:
         scene, settings = open_scene(arguments.scene)
         size = arguments.size or settings.size
@@ -213,6 +219,8 @@ def _parser() -> argparse.ArgumentParser:
     )
     render.add_argument("--size", metavar="WxH", type=_size, help=size)
     render.add_argument("--samples", metavar="N", type=_samples, default=1, help="N x N samples a pixel (1)")
+    tolerance = "trace what a method's own check finds off by more pixels than this (pervertex)"
+    render.add_argument("--tolerance", metavar="PX", type=float, help=tolerance)
     render.add_argument(
         "--seen",
         metavar="NAME=FILE.npy",
@@ -227,6 +235,7 @@ def _parser() -> argparse.ArgumentParser:
     compare.add_argument("scene", metavar="SCENE", help=scene)
     compare.add_argument("-m", "--method", metavar="METHOD", action="append", help=f"{method}; may be repeated (all)")
     compare.add_argument("--size", metavar="WxH", type=_size, help=size)
+    compare.add_argument("--tolerance", metavar="PX", type=float, help=tolerance)
     compare.add_argument("--json", metavar="FILE", type=Path, help="write the figures as JSON")
     compare.add_argument("--html", metavar="FILE", type=Path, help="write one page with pictures, errors and figures")
 

@@ -61,6 +61,9 @@ class Frame:
         The object number of the specular surface that the pixel looks at; 0 for none.
     status : (H, W) uint8, optional
         A `Status` each.
+    deviation : (H, W) float32, optional
+        The angle between the pixel's own ray and the direction to the point that it shows, radians: what the method
+        itself knows of its error.
     ray_origin, ray_direction : (H, W, 3) float32, optional
         The last ray of each pixel's path, from methods that have one for every pixel.
     """
@@ -70,6 +73,7 @@ class Frame:
     object_id: np.ndarray | None = None
     specular: np.ndarray | None = None
     status: np.ndarray | None = None
+    deviation: np.ndarray | None = None
     ray_origin: np.ndarray | None = None
     ray_direction: np.ndarray | None = None
 

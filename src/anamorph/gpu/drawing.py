@@ -65,8 +65,9 @@ def make_pipeline(
     color_write: bool = True,
     cull: str = "none",
     mirrored: bool = False,
+    constants: dict[str, float] | None = None,
 ) -> wgpu.GPURenderPipeline:
-    """A pipeline that binds shading, projection, and then `groups`."""
+    """A pipeline that binds shading, projection, and then `groups`; `constants` set the shader's overrides."""
     device = get_device()
     layouts = [shading_layout(), projection_layout(), *groups]
     return device.create_render_pipeline(
@@ -75,6 +76,7 @@ def make_pipeline(
         fragment={
             "module": module,
             "entry_point": fragment,
+            "constants": constants or {},
             "targets": [{"format": form, "write_mask": 15 if color_write else 0} for form in formats],
         },
         primitive={"topology": topology, "cull_mode": cull, "front_face": "cw" if mirrored else "ccw"},
@@ -137,6 +139,14 @@ def seen_pipelines() -> ScenePipelines:
 
 
 @cache
+def color_and_depth_pipelines() -> ScenePipelines:
+    """Colour and a map's depth in one pass."""
+    return _scene_pipelines(
+        "scene_color_and_depth", "stand_in_color_and_depth", "sky_color_and_depth", (COLOR_FORMAT, *MAP_FORMATS)
+    )
+
+
+@cache
 def map_pipelines(mirrored: bool = False) -> ScenePipelines:
     """Depth with its slopes, from which a map's reader finds the seen point."""
     return _scene_pipelines("scene_depth", "scene_depth", "sky_depth", MAP_FORMATS, mirrored=mirrored)
@@ -166,6 +176,14 @@ def draw_scene(
     _draw_ranges(render_pass, pipelines.stand_ins, buffers, [run for run in present if run[0] not in replaced])
     render_pass.set_pipeline(pipelines.sky)
     render_pass.draw(3)
+
+
+def draw_mesh(render_pass: wgpu.GPURenderPassEncoder, buffers: SceneBuffers, index: int) -> None:
+    """Draw mesh `index` with the current pipeline."""
+    start, end = int(buffers.first_face[index]), int(buffers.first_face[index + 1])
+    render_pass.set_vertex_buffer(0, buffers.vertices)
+    render_pass.set_index_buffer(buffers.indices, "uint32")
+    render_pass.draw_indexed(3 * (end - start), 1, 3 * start)
 
 
 def _draw_ranges(

@@ -14,6 +14,7 @@ from anamorph.gpu.device import get_device
 from anamorph.gpu.drawing import (
     ProjectionUniform,
     ScenePipelines,
+    color_and_depth_pipelines,
     color_pipelines,
     draw_scene,
     map_pipelines,
@@ -74,6 +75,8 @@ class Map:
     size : (width, height)
     projection : ProjectionUniform
     color, depth : Target
+    both : Target, optional
+        Their two textures in one target, where colour is not antialiased.
     mirrored : bool
         Whether its picture is left-handed.
     halvings : tuple of Halving
@@ -84,6 +87,7 @@ class Map:
     projection: ProjectionUniform
     color: Target
     depth: Target
+    both: Target | None = None
     mirrored: bool = False
     halvings: tuple[Halving, ...] = ()
 
@@ -100,12 +104,30 @@ class Map:
     ) -> None:
         """Draw the scene's colours, all meshes but the absent ones, then `extra`, and the mipmaps if it has any."""
         self._draw(encoder, self.color, color_pipelines(self.color.samples, self.mirrored), buffers, absent, extra)
-        for halving in self.halvings:
-            halving.draw(encoder)
+        self._halve(encoder)
+
+    def draw_color_and_depth(
+        self,
+        encoder: wgpu.GPUCommandEncoder,
+        buffers: SceneBuffers,
+        absent: Sequence[int],
+        extra: Callable[[wgpu.GPURenderPassEncoder], None] | None = None,
+    ) -> None:
+        """Both, in one pass where neither antialiasing nor `extra` stands in the way."""
+        if self.both is None or extra is not None:
+            self.draw_color(encoder, buffers, absent, extra)
+            self.draw_depth(encoder, buffers, absent)
+            return
+        self._draw(encoder, self.both, color_and_depth_pipelines(), buffers, absent)
+        self._halve(encoder)
 
     def draw_depth(self, encoder: wgpu.GPUCommandEncoder, buffers: SceneBuffers, absent: Sequence[int]) -> None:
         """Draw the scene's depth and object numbers."""
         self._draw(encoder, self.depth, map_pipelines(self.mirrored), buffers, absent)
+
+    def _halve(self, encoder: wgpu.GPUCommandEncoder) -> None:
+        for halving in self.halvings:
+            halving.draw(encoder)
 
     def _draw(
         self,
@@ -127,11 +149,15 @@ def make_map(size: tuple[int, int], antialias: int = 1, mipmaps: bool = False) -
     """An empty map."""
     levels = max(size).bit_length() if mipmaps else 1
     texture = make_texture(size, COLOR_FORMAT, levels=levels)
+    depth = make_target(size, MAP_FORMATS)
     return Map(
         size=size,
         projection=projection_uniform(),
         color=make_target(size, (COLOR_FORMAT,), antialias, (texture,)),
-        depth=make_target(size, MAP_FORMATS),
+        depth=depth,
+        both=make_target(size, (COLOR_FORMAT, *MAP_FORMATS), textures=(texture, *depth.textures))
+        if antialias == 1
+        else None,
         halvings=tuple(_halving(texture, level) for level in range(1, levels)),
     )
 

@@ -37,10 +37,18 @@ struct Seen {
     @location(0) point: vec4f,
     // Specular object number in the low 16 bits, status above.
     @location(1) flags: u32,
+    // The angle between the pixel's own ray and the direction to the point, radians.
+    @location(2) deviation: f32,
+}
+
+// The angle between two directions, neither of them unit.
+fn angle_between(a: vec3f, b: vec3f) -> f32 {
+    return atan2(length(cross(a, b)), dot(a, b));
 }
 
 const STATUS_DIRECT = 0u;
 const STATUS_WARPED = 1u;
+const STATUS_REFINED = 2u;
 const STATUS_SKY = 4u;
 const STATUS_OUTSIDE = 6u;
 
@@ -88,28 +96,64 @@ fn no_color() -> @location(0) vec4f {
     return vec4f(0.0);
 }
 
-// Diffuse meshes, and the backs of mirrors.
-@fragment
-fn scene_color(fragment: SceneFragment) -> @location(0) vec4f {
+fn shaded(fragment: SceneFragment) -> vec4f {
     return vec4f(shade(surface_point(fragment), viewing_direction(fragment.pixel.xy)), 1.0);
 }
 
-@fragment
-fn stand_in_color(fragment: SceneFragment) -> @location(0) vec4f {
+fn stood_in(fragment: SceneFragment) -> vec4f {
     let direction = normalize(viewing_direction(fragment.pixel.xy));
     return vec4f(specular_stand_in(fragment.object, normalize(fragment.normal), direction, projection.base.w), 1.0);
 }
 
-@fragment
-fn scene_seen(fragment: SceneFragment) -> Seen {
-    return Seen(vec4f(fragment.position, f32(fragment.object)), seen_flags(0u, STATUS_DIRECT));
+fn sky(pixel: vec4f) -> vec4f {
+    return vec4f(sky_color(viewing_direction(pixel.xy), projection.base.w), 1.0);
 }
 
 // For a map's reader: depth is linear in the picture on each triangle, so that depth, its slopes and the object
 // number give back the seen point anywhere in the texel.
+fn depth_and_slopes(fragment: SceneFragment) -> vec4f {
+    return vec4f(fragment.pixel.z, dpdx(fragment.pixel.z), dpdy(fragment.pixel.z), f32(fragment.object));
+}
+
+// Diffuse meshes, and the backs of mirrors.
+@fragment
+fn scene_color(fragment: SceneFragment) -> @location(0) vec4f {
+    return shaded(fragment);
+}
+
+@fragment
+fn stand_in_color(fragment: SceneFragment) -> @location(0) vec4f {
+    return stood_in(fragment);
+}
+
+struct ColorAndDepth {
+    @location(0) color: vec4f,
+    @location(1) depth: vec4f,
+}
+
+@fragment
+fn scene_color_and_depth(fragment: SceneFragment) -> ColorAndDepth {
+    return ColorAndDepth(shaded(fragment), depth_and_slopes(fragment));
+}
+
+@fragment
+fn stand_in_color_and_depth(fragment: SceneFragment) -> ColorAndDepth {
+    return ColorAndDepth(stood_in(fragment), depth_and_slopes(fragment));
+}
+
+@fragment
+fn sky_color_and_depth(@builtin(position) pixel: vec4f) -> ColorAndDepth {
+    return ColorAndDepth(sky(pixel), vec4f(0.0));
+}
+
+@fragment
+fn scene_seen(fragment: SceneFragment) -> Seen {
+    return Seen(vec4f(fragment.position, f32(fragment.object)), seen_flags(0u, STATUS_DIRECT), 0.0);
+}
+
 @fragment
 fn scene_depth(fragment: SceneFragment) -> @location(0) vec4f {
-    return vec4f(fragment.pixel.z, dpdx(fragment.pixel.z), dpdy(fragment.pixel.z), f32(fragment.object));
+    return depth_and_slopes(fragment);
 }
 
 @vertex
@@ -120,12 +164,12 @@ fn sky_vertex(@builtin(vertex_index) index: u32) -> @builtin(position) vec4f {
 
 @fragment
 fn sky_color_fragment(@builtin(position) pixel: vec4f) -> @location(0) vec4f {
-    return vec4f(sky_color(viewing_direction(pixel.xy), projection.base.w), 1.0);
+    return sky(pixel);
 }
 
 @fragment
 fn sky_seen(@builtin(position) pixel: vec4f) -> Seen {
-    return Seen(vec4f(normalize(viewing_direction(pixel.xy)), 0.0), seen_flags(0u, STATUS_SKY));
+    return Seen(vec4f(normalize(viewing_direction(pixel.xy)), 0.0), seen_flags(0u, STATUS_SKY), 0.0);
 }
 
 @fragment

@@ -128,6 +128,11 @@ fn mirror_reflectance(number: u32, cosine: f32) -> vec3f {
     return object.tint * (object.parameter + (1.0 - object.parameter) * rest);
 }
 
+// Whether light goes on from an object's front.
+fn is_specular(number: u32) -> bool {
+    return objects[number - 1u].kind != DIFFUSE;
+}
+
 // The front of a specular point where no method draws it: a mirror of the sky alone, a glass that lets it through.
 fn specular_stand_in(number: u32, normal: vec3f, direction: vec3f, spread: f32) -> vec3f {
     if objects[number - 1u].kind == GLASS {

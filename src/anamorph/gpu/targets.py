@@ -11,7 +11,7 @@ from anamorph.gpu.device import get_device
 
 COLOR_FORMAT = "rgba16float"
 DEPTH_FORMAT = "depth32float"
-SEEN_FORMATS = ("rgba32float", "r32uint")
+SEEN_FORMATS = ("rgba32float", "r32uint", "r32float")
 MAP_FORMATS = ("rgba32float",)
 
 _USAGE = wgpu.TextureUsage.RENDER_ATTACHMENT | wgpu.TextureUsage.TEXTURE_BINDING | wgpu.TextureUsage.COPY_SRC
@@ -75,19 +75,23 @@ def _layer_view(texture: wgpu.GPUTexture, layer: int) -> wgpu.GPUTextureView:
     return texture.create_view(dimension="2d", base_array_layer=layer, array_layer_count=1, mip_level_count=1)
 
 
-def begin_pass(encoder: wgpu.GPUCommandEncoder, target: Target) -> wgpu.GPURenderPassEncoder:
-    """Begin drawing into `target`, cleared to nothing."""
+def begin_pass(
+    encoder: wgpu.GPUCommandEncoder, target: Target, clear: bool = True, keep_depth: bool = False
+) -> wgpu.GPURenderPassEncoder:
+    """Begin drawing into `target`, cleared to nothing or kept; its depth likewise, or kept in any case."""
+    load = "clear" if clear else "load"
+    depth_load = "clear" if clear and not keep_depth else "load"
     colors = [
         {
             "view": view,
             "resolve_target": resolved,
             "clear_value": (0, 0, 0, 0),
-            "load_op": "clear",
+            "load_op": load,
             "store_op": "store",
         }
         for view, resolved in zip(target.attachments, target.resolved, strict=True)
     ]
-    depth = {"view": target.depth, "depth_clear_value": 0.0, "depth_load_op": "clear", "depth_store_op": "store"}
+    depth = {"view": target.depth, "depth_clear_value": 0.0, "depth_load_op": depth_load, "depth_store_op": "store"}
     return encoder.begin_render_pass(color_attachments=colors, depth_stencil_attachment=depth)
 
 
@@ -97,6 +101,7 @@ def read_texture(texture: wgpu.GPUTexture) -> np.ndarray:
         "rgba16float": (np.float16, 4),
         "rgba32float": (np.float32, 4),
         "r32uint": (np.uint32, 1),
+        "r32float": (np.float32, 1),
     }
     dtype, channels = kinds[texture.format]
     width, height, _ = texture.size

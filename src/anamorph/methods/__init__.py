@@ -12,7 +12,7 @@ from anamorph.methods.protocol import Method, Session
 
 METHODS: dict[str, Method] = {module.METHOD.name: module.METHOD for module in (raytrace, environment, pervertex)}
 
-__all__ = ["METHODS", "Method", "Session", "make_options", "parse"]
+__all__ = ["METHODS", "Method", "Session", "make_options", "parse", "with_option"]
 
 
 def parse(specification: str) -> tuple[Method, Any]:
@@ -32,6 +32,11 @@ def parse(specification: str) -> tuple[Method, Any]:
             raise AnamorphError(f"method {specification}: {item!r} is no option; write option=value")
         given[key.strip()] = value.strip()
     return method, make_options(method, given)
+
+
+def with_option(specification: str, key: str, value: object) -> str:
+    """`specification` with one more option; the last of several values for one option holds."""
+    return f"{specification}{',' if ':' in specification else ':'}{key}={value}"
 
 
 def make_options(method: Method, given: dict[str, Any]) -> Any:

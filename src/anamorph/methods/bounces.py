@@ -103,16 +103,18 @@ def start(
     axes: np.ndarray,
     scale: float,
     size: np.ndarray,
-    corner: np.ndarray,
+    corners: np.ndarray,
     columns: int,
+    rows: int,
     first: int,
     count: int,
 ) -> None:
-    """Put the rays of `count` pixels, from number `first` of a rectangle `columns` wide, on their way."""
+    """Put the rays of `count` pixels on their way, from number `first` of tiles at `corners`, `columns` by `rows`."""
     for i in range(count):
-        row, column = divmod(first + i, columns)
-        x = (corner[0] + column - size[0] / 2.0) * scale
-        y = (size[1] / 2.0 - corner[1] - row) * scale
+        tile, number = divmod(first + i, columns * rows)
+        row, column = divmod(number, columns)
+        x = (corners[tile, 0] + column - size[0] / 2.0) * scale
+        y = (size[1] / 2.0 - corners[tile, 1] - row) * scale
         direction = unit(
             (
                 x * axes[0, 0] + y * axes[1, 0] + axes[2, 0],

@@ -15,10 +15,9 @@ from anamorph.errors import AnamorphError
 from anamorph.frame import View
 from anamorph.gpu.bindings import SAMPLER, STORAGE, bind, layout_of, texture
 from anamorph.gpu.buffers import storage_buffer
-from anamorph.gpu.drawing import make_pipeline, shader_module
+from anamorph.gpu.drawing import draw_mesh, make_pipeline, shader_module
 from anamorph.gpu.maps import make_cube, map_sampler
-from anamorph.gpu.reflectors import draw_reflector
-from anamorph.gpu.targets import COLOR_FORMAT, SEEN_FORMATS
+from anamorph.gpu.targets import COLOR_FORMAT, SEEN_FORMATS, Target
 from anamorph.methods.pervertex import Options as PerVertexOptions
 from anamorph.methods.pervertex import PerVertexDrawing
 from anamorph.methods.protocol import Method, Session
@@ -174,6 +173,9 @@ class CubeDrawing:
                 item.maps[face].draw_color(encoder, self._stage.buffers, item.indices)
         self._drawn = True
 
+    def complete(self, target: Target, camera: Camera, shift: tuple[float, float]) -> None:
+        """There is nothing to mend."""
+
     def prepare_seen(self, encoder: wgpu.GPUCommandEncoder) -> None:
         """Draw what the cube maps see, for the seen buffers."""
         for item in self._reflectors:
@@ -193,7 +195,7 @@ class CubeDrawing:
         for item in self._reflectors:
             render_pass.set_bind_group(2, item.group)
             for index in item.indices:
-                draw_reflector(render_pass, self._stage.buffers, index)
+                draw_mesh(render_pass, self._stage.buffers, index)
 
     def rays(self) -> None:
         """The method knows directions, not rays."""

@@ -37,8 +37,10 @@ fn environment_color(fragment: SceneFragment) -> @location(0) vec4f {
 fn environment_seen(fragment: SceneFragment) -> Seen {
     let normal = normalize(fragment.normal);
     let direction = normalize(fragment.position - projection.eye.xyz);
-    let found = cube_place(reflect(direction, normal));
+    let reflected = reflect(direction, normal);
+    let found = cube_place(reflected);
     let depth = textureLoad(cube_depth, map_texel(faces[found.face], found.place), found.face, 0);
     let point = map_point(faces[found.face], found.place, depth);
-    return Seen(point, seen_flags(fragment.object, select(STATUS_WARPED, STATUS_SKY, point.w == 0.0)));
+    let toward = select(point.xyz - fragment.position, point.xyz, point.w == 0.0);
+    return Seen(point, seen_flags(fragment.object, select(STATUS_WARPED, STATUS_SKY, point.w == 0.0)), angle_between(toward, reflected));
 }

@@ -98,18 +98,41 @@ class PathTracer:
             TOTAL_REFLECTION where some reflection was total, else SKY, DIRECT (no bounce) or TRACED.
         """
         x0, y0, x1, y1 = rectangle or (0, 0, *size)
-        columns, count = x1 - x0, max(x1 - x0, 0) * max(y1 - y0, 0)
+        return self.trace_tiles(camera, size, np.array([[x0, y0]]), (max(x1 - x0, 0), max(y1 - y0, 0)), shift, records)
+
+    def trace_tiles(
+        self,
+        camera: Camera,
+        size: tuple[int, int],
+        corners: np.ndarray,
+        tile: tuple[int, int],
+        shift: tuple[float, float] = (0.0, 0.0),
+        records: np.ndarray | None = None,
+    ) -> np.ndarray:
+        """Trace one path for every pixel of tiles of the picture, tile by tile, each row by row; see `trace`.
+
+        Parameters
+        ----------
+        camera, size, shift, records
+            As in `trace`.
+        corners : (T, 2) int
+            The first column and row of each tile.
+        tile : (columns, rows)
+            The size of all tiles.
+        """
+        columns, rows = tile
+        count = len(corners) * columns * rows
         if records is None or records.shape != (count, WORDS):
             records = np.empty((count, WORDS), np.float32)
         words = records.view(np.uint32)
         vertex_origins, vertex_directions = self._vertex_rays(camera, size)
         eye, axes = np.asarray(camera.position, float), camera.axes()
         scale = 2.0 * np.tan(np.radians(camera.field_of_view) / 2.0) / size[1]
-        extent, corner = np.asarray(size, float), np.array([x0 + 0.5 + shift[0], y0 + 0.5 + shift[1]])
+        extent, centers = np.asarray(size, float), corners + 0.5 + np.asarray(shift)
 
         def work(first: int, stop: int) -> None:
             paths, going, turn = self._room(), stop - first, 0
-            start(paths, eye, axes, scale, extent, corner, columns, first, going)
+            start(paths, eye, axes, scale, extent, centers, columns, rows, first, going)
             rays_origins, rays_directions = vertex_origins, vertex_directions
             while going:
                 # Rays of neighbouring pixels keep together until the second bounce.

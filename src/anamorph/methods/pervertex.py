@@ -7,21 +7,21 @@ mirror with it (step 4) are here. Deviation: the map is as fine as the picture t
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import wgpu
 
 from anamorph.errors import AnamorphError
 from anamorph.frame import View
-from anamorph.gpu.bindings import SAMPLER, UNIFORM, bind, layout_of, texture
+from anamorph.gpu.bindings import SAMPLER, STORAGE, UNIFORM, bind, layout_of, texture
 from anamorph.gpu.buffers import storage_buffer
 from anamorph.gpu.device import get_device, maximum_size
-from anamorph.gpu.drawing import make_pipeline, shader_module
+from anamorph.gpu.drawing import make_pipeline, shader_module, submit
 from anamorph.gpu.maps import Map, make_map, map_sampler
 from anamorph.gpu.overlay import Overlay
-from anamorph.gpu.reflectors import REFLECTOR_BUFFERS, draw_reflector
-from anamorph.gpu.targets import COLOR_FORMAT, SEEN_FORMATS
+from anamorph.gpu.targets import COLOR_FORMAT, SEEN_FORMATS, Target, begin_pass, make_texture, read_texture
+from anamorph.methods.mend import Mender, doubtful_tiles
 from anamorph.methods.protocol import Method, Session
 from anamorph.methods.session import DrawingSession, Stage
 from anamorph.methods.warp import MapPlan, plan_map, world_of
@@ -30,6 +30,11 @@ from anamorph.raymesh import RayMesh
 from anamorph.scene.camera import Camera
 
 MAXIMUM_MAP = 4096
+
+MAXIMUM_REFINEMENTS = 16
+REFINEMENTS_BEFORE_TRACING = 3
+
+ERROR_FORMAT = "r32float"
 
 BALL_PIXELS = 18.0
 """Radius of the overlay's balls where nothing magnifies or reduces them."""
@@ -49,6 +54,11 @@ class Options:
         Texels of the map for each pixel that it fills, along one axis.
     projective : bool
         Whether texture coordinates are projective; false is the paper's plain (s, t).
+    refine : int
+        Steps that each fragment takes through the map towards what its own ray meets; 0 is the paper.
+    tolerance : float
+        Pixels: where what a fragment shows may be further than this from what it should, its tile of the picture is
+        traced. 0 traces nothing. At least three refinements go before.
     overlay : bool
         Whether to draw the mirror's wireframe and a ball at each vertex ray's hit, as the paper's Figure 1.
     """
@@ -57,6 +67,8 @@ class Options:
     mipmaps: bool = False
     resolution: float = 1.0
     projective: bool = True
+    refine: int = 0
+    tolerance: float = 0.0
     overlay: bool = False
 
 
@@ -74,7 +86,14 @@ class _WarpedReflector:
         mesh = stage.view.scene.meshes[index]
         self.index = index
         self.mirror = reflector(mesh)
-        self.lookups = storage_buffer(np.zeros((len(mesh.positions), 4), np.float32), wgpu.BufferUsage.VERTEX)
+        self.lookups = storage_buffer(np.zeros((len(mesh.positions), 4), np.float32))
+        description = [stage.buffers.first_vertex[index], mesh.surface is not None]
+        self._mesh = [
+            get_device().create_buffer_with_data(data=np.array(description, np.uint32), usage=wgpu.BufferUsage.UNIFORM),
+            stage.buffers.vertices,
+            stage.buffers.indices,
+            self.lookups,
+        ]
         self.map: Map | None = None
         self.plan: MapPlan | None = None
         self.overlay = Overlay(self.mirror.positions, self.mirror.faces, options.antialias) if options.overlay else None
@@ -92,6 +111,7 @@ class _WarpedReflector:
                 self.map.color.textures[0].create_view(),
                 map_sampler(),
                 self.map.depth.textures[0].create_view(),
+                *self._mesh,
             ]
             self.group = bind(self._layout, resources)
         self.map.write(plan.projection)
@@ -104,29 +124,38 @@ class PerVertexDrawing:
 
     def __init__(self, stage: Stage, options: Options) -> None:
         self._stage, self._options = stage, options
-        layout = layout_of(UNIFORM, texture(), SAMPLER, texture(filterable=False))
+        layout = layout_of(
+            UNIFORM, texture(), SAMPLER, texture(filterable=False), UNIFORM, STORAGE, STORAGE, STORAGE,
+            stages=wgpu.ShaderStage.VERTEX | wgpu.ShaderStage.FRAGMENT,
+        )  # fmt: skip
         self._reflectors = [_WarpedReflector(stage, index, options, layout) for index in stage.buffers.specular]
         self._world = world_of(stage.geometry)
-        module = shader_module("gpu/map.wgsl", "methods/pervertex.wgsl")
-        self._color = make_pipeline(
-            module,
-            "reflector_vertex",
-            "reflector_color",
-            (COLOR_FORMAT,),
-            buffers=REFLECTOR_BUFFERS,
-            groups=(layout,),
-            samples=options.antialias,
-            cull="back",
-        )
-        self._seen = make_pipeline(
-            module,
-            "reflector_vertex",
-            "reflector_seen",
-            SEEN_FORMATS,
-            buffers=REFLECTOR_BUFFERS,
-            groups=(layout,),
-            cull="back",
-        )
+        module = shader_module("gpu/vertices.wgsl", "gpu/map.wgsl", "methods/pervertex.wgsl")
+
+        def pipeline(
+            fragment: str, formats: tuple[str, ...], samples: int = 1, depth_compare: str = "greater"
+        ) -> wgpu.GPURenderPipeline:
+            return make_pipeline(
+                module,
+                "reflector_vertex",
+                fragment,
+                formats,
+                buffers=(),
+                groups=(layout,),
+                samples=samples,
+                cull="back",
+                depth_compare=depth_compare,
+                constants={"REFINEMENTS": options.refine},
+            )
+
+        self._mender: Mender | None = None
+        if options.tolerance > 0.0:
+            self._mender = Mender(stage, self._world.caster)
+            self._errors = make_texture(stage.view.size, ERROR_FORMAT)
+            self._errors_view = self._errors.create_view()
+            self._error = pipeline("reflector_error", (ERROR_FORMAT,), depth_compare="equal")
+        self._color = pipeline("reflector_color", (COLOR_FORMAT,), options.antialias)
+        self._seen = pipeline("reflector_seen", SEEN_FORMATS)
 
     @property
     def replaced(self) -> tuple[int, ...]:
@@ -137,14 +166,38 @@ class PerVertexDrawing:
         """Steps 1 to 3: plan and draw each mirror's map."""
         for item in self._reflectors:
             rays = reflected_rays(item.mirror, camera, self._stage.view.size)
-            plan = plan_map(item.mirror, rays, np.asarray(camera.position), self._world, self._options.projective)
+            plan = plan_map(
+                item.mirror,
+                rays,
+                np.asarray(camera.position),
+                self._world,
+                self._options.projective,
+                strict=self._mender is not None,
+            )
             item.plan = None
             if plan is None:
                 continue
             if item.overlay is not None:
                 item.overlay.place(plan.hits, _ball_radii(plan, rays, camera, self._stage.view.size))
             balls = None if item.overlay is None else item.overlay.draw_balls
-            item.update(plan).draw_color(encoder, self._stage.buffers, (item.index,), balls)
+            target = item.update(plan)
+            draw = target.draw_color_and_depth if self._options.refine else target.draw_color
+            draw(encoder, self._stage.buffers, (item.index,), balls)
+
+    def complete(self, target: Target, camera: Camera, shift: tuple[float, float]) -> None:
+        """Have those tiles traced in which some fragment may be wrong by more than the tolerance."""
+        if self._mender is None:
+            return
+        encoder = get_device().create_command_encoder()
+        errors = replace(target, textures=(self._errors,), attachments=(self._errors_view,))
+        render_pass = begin_pass(encoder, errors, keep_depth=True)
+        render_pass.set_bind_group(0, self._stage.buffers.shading)
+        render_pass.set_bind_group(1, self._stage.projection.group)
+        self._draw(render_pass, self._error)
+        render_pass.end()
+        submit(encoder)
+        self._mender.trace(doubtful_tiles(read_texture(self._errors), self._options.tolerance), camera, shift)
+        self._mender.draw_over(target, self._stage.projection)
 
     def prepare_seen(self, encoder: wgpu.GPUCommandEncoder) -> None:
         """Draw what the maps see, for the seen buffers."""
@@ -163,13 +216,16 @@ class PerVertexDrawing:
     def draw_seen(self, render_pass: wgpu.GPURenderPassEncoder) -> None:
         """The mirrors' seen buffers."""
         self._draw(render_pass, self._seen)
+        if self._mender is not None:
+            self._mender.draw_seen(render_pass)
 
     def _draw(self, render_pass: wgpu.GPURenderPassEncoder, pipeline: wgpu.GPURenderPipeline) -> None:
         render_pass.set_pipeline(pipeline)
         for item in self._reflectors:
             if item.plan is not None:
                 render_pass.set_bind_group(2, item.group)
-                draw_reflector(render_pass, self._stage.buffers, item.index, item.lookups)
+                first, last = (int(face) for face in self._stage.buffers.first_face[item.index : item.index + 2])
+                render_pass.draw(3 * (last - first), 1, 3 * first)
 
     def rays(self) -> None:
         """There is no ray for a pixel between vertices."""
@@ -182,6 +238,14 @@ def open_session(view: View, options: Options) -> Session:
         raise AnamorphError(f"pervertex: antialias is {options.antialias}; give 1 or 4")
     if not 0.01 <= options.resolution <= 16.0:
         raise AnamorphError(f"pervertex: resolution is {options.resolution:g}; give a number from 0.01 to 16")
+    if not 0 <= options.refine <= MAXIMUM_REFINEMENTS:
+        raise AnamorphError(f"pervertex: refine is {options.refine}; give a number from 0 to {MAXIMUM_REFINEMENTS}")
+    if not 0.0 <= options.tolerance < float("inf"):
+        raise AnamorphError(f"pervertex: tolerance is {options.tolerance:g}; give a number of pixels from 0")
+    if options.tolerance > 0.0:
+        if options.antialias > 1:
+            raise AnamorphError("pervertex: tolerance needs antialias=1; give more samples for a smooth picture")
+        options = replace(options, refine=max(options.refine, REFINEMENTS_BEFORE_TRACING))
     stage = Stage(view)
     return DrawingSession(stage, PerVertexDrawing(stage, options), options.antialias)
 

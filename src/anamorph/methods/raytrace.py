@@ -14,18 +14,14 @@ import wgpu
 
 from anamorph.errors import AnamorphError
 from anamorph.frame import View
-from anamorph.gpu.bindings import STORAGE, UNIFORM, bind, layout_of
-from anamorph.gpu.device import get_device
-from anamorph.gpu.drawing import make_pipeline, shader_module
-from anamorph.gpu.targets import COLOR_FORMAT, SEEN_FORMATS
+from anamorph.gpu.targets import Target
 from anamorph.methods.bounces import WORDS
 from anamorph.methods.paths import PathTracer, Rectangle, specular_rectangle
 from anamorph.methods.protocol import Method, Session
 from anamorph.methods.session import DrawingSession, Stage
+from anamorph.methods.tiles import Tiles, tiles_at_once
 from anamorph.rays import Caster
 from anamorph.scene.camera import Camera
-
-RECORD_BYTES = 4 * WORDS
 
 
 @dataclass(frozen=True)
@@ -45,33 +41,6 @@ class Options:
     bounces: int = 8
 
 
-class _Band:
-    """Whole rows of the traced rectangle, few enough for one storage buffer."""
-
-    def __init__(self, capacity: int, layout: wgpu.GPUBindGroupLayout, stage: Stage) -> None:
-        device = get_device()
-        self.capacity = capacity
-        self._rectangle = device.create_buffer(size=16, usage=wgpu.BufferUsage.UNIFORM | wgpu.BufferUsage.COPY_DST)
-        self._paths = device.create_buffer(
-            size=capacity * RECORD_BYTES, usage=wgpu.BufferUsage.STORAGE | wgpu.BufferUsage.COPY_DST
-        )
-        self._group = bind(layout, [self._rectangle, self._paths, stage.buffers.vertices, stage.buffers.indices])
-        self._place = (0, 0, 0, 0)
-
-    def write(self, place: tuple[int, int, int, int], records: np.ndarray) -> None:
-        """Take over the paths of the rectangle `place` (x, y, width, height)."""
-        queue = get_device().queue
-        queue.write_buffer(self._rectangle, 0, np.array(place, np.uint32))
-        queue.write_buffer(self._paths, 0, records)
-        self._place = place
-
-    def draw(self, render_pass: wgpu.GPURenderPassEncoder) -> None:
-        """Colour the rectangle's pixels."""
-        render_pass.set_bind_group(2, self._group)
-        render_pass.set_scissor_rect(*self._place)
-        render_pass.draw(3)
-
-
 class TracedDrawing:
     """Replaces every pixel around the specular surfaces by a traced one. See `SpecularDrawing`."""
 
@@ -81,28 +50,10 @@ class TracedDrawing:
         self._tracer = PathTracer(
             stage.view.scene, stage.geometry, Caster(stage.geometry), options.bounces, options.truth
         )
-        self._layout = layout_of(UNIFORM, STORAGE, STORAGE, STORAGE)
-        module = shader_module("methods/raytrace.wgsl")
-        self._color = self._pipeline(module, "traced_color", (COLOR_FORMAT,))
-        self._seen = self._pipeline(module, "traced_seen", SEEN_FORMATS)
-        self._bands: list[_Band] = []
+        self._bands: list[Tiles] = []
         self._used = 0
         self._eye: tuple[Camera, tuple[float, float]] | None = None
         self._records: tuple[Rectangle, np.ndarray] | None = None
-
-    def _pipeline(
-        self, module: wgpu.GPUShaderModule, fragment: str, formats: tuple[str, ...]
-    ) -> wgpu.GPURenderPipeline:
-        return make_pipeline(
-            module,
-            "sky_vertex",
-            fragment,
-            formats,
-            buffers=(),
-            groups=(self._layout,),
-            depth_compare="always",
-            depth_write=False,
-        )
 
     def prepare(self, encoder: wgpu.GPUCommandEncoder, camera: Camera, shift: tuple[float, float]) -> None:
         """Trace the rectangle that bounds the specular surfaces, and upload where its paths end."""
@@ -114,35 +65,30 @@ class TracedDrawing:
         records = self._tracer.trace(camera, self._stage.view.size, rectangle, shift)
         self._records = (rectangle, records)
         width = x1 - x0
-        limit = get_device().limits["max-storage-buffer-binding-size"] // RECORD_BYTES
-        rows = max(limit // width, 1)
+        rows = tiles_at_once(width)
         for top in range(y0, y1, rows):
             bottom = min(top + rows, y1)
-            count = (bottom - top) * width
             if self._used == len(self._bands):
-                self._bands.append(_Band(count, self._layout, self._stage))
-            elif self._bands[self._used].capacity < count:
-                # A quarter more than is needed: a moving eye does not bring a new buffer every frame.
-                self._bands[self._used] = _Band(min(count + count // 4, limit), self._layout, self._stage)
-            start = (top - y0) * width
-            self._bands[self._used].write((x0, top, width, bottom - top), records[start : start + count])
+                self._bands.append(Tiles(self._stage.buffers))
+            part = records[(top - y0) * width : (bottom - y0) * width]
+            self._bands[self._used].write(np.array([[x0, top]]), (width, bottom - top), part)
             self._used += 1
+
+    def complete(self, target: Target, camera: Camera, shift: tuple[float, float]) -> None:
+        """There is nothing to mend."""
 
     def prepare_seen(self, encoder: wgpu.GPUCommandEncoder) -> None:
         """The paths carry all that the seen buffers need."""
 
     def draw_color(self, render_pass: wgpu.GPURenderPassEncoder) -> None:
         """The traced pixels."""
-        self._draw(render_pass, self._color)
+        for band in self._bands[: self._used]:
+            band.draw_color(render_pass)
 
     def draw_seen(self, render_pass: wgpu.GPURenderPassEncoder) -> None:
         """The traced pixels' seen buffers."""
-        self._draw(render_pass, self._seen)
-
-    def _draw(self, render_pass: wgpu.GPURenderPassEncoder, pipeline: wgpu.GPURenderPipeline) -> None:
-        render_pass.set_pipeline(pipeline)
         for band in self._bands[: self._used]:
-            band.draw(render_pass)
+            band.draw_seen(render_pass)
 
     def rays(self) -> tuple[np.ndarray, np.ndarray] | None:
         """Origins and directions of each pixel's last ray: the eye's own outside the traced rectangle."""

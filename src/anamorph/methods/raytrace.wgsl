@@ -1,9 +1,4 @@
-// The ray-traced reference: hits that the CPU found, coloured by the shading that every method uses. Follows scene.wgsl.
-
-struct Rectangle {
-    corner: vec2u,
-    size: vec2u,
-}
+// Tiles of traced pixels: hits that the CPU found, coloured by the shading that every method uses. Follows vertices.wgsl.
 
 // One pixel's path, as methods/paths.py writes it.
 struct PathEnd {
@@ -19,18 +14,28 @@ struct PathEnd {
     padding: vec2f,
 }
 
-struct StoredVertex {
-    x: f32, y: f32, z: f32,
-    normal_x: f32, normal_y: f32, normal_z: f32,
-    u: f32, v: f32,
-    color_red_green: u32, color_blue: u32,
-    object: u32,
+// Columns and rows of every tile.
+@group(2) @binding(0) var<uniform> tile_size: vec2u;
+// First column and row of each tile.
+@group(2) @binding(1) var<storage, read> corners: array<vec2u>;
+// Tile by tile, each row by row.
+@group(2) @binding(2) var<storage, read> paths: array<PathEnd>;
+@group(2) @binding(3) var<storage, read> vertices: array<StoredVertex>;
+@group(2) @binding(4) var<storage, read> indices: array<u32>;
+
+struct TileFragment {
+    @builtin(position) pixel: vec4f,
+    @location(0) @interpolate(flat) tile: u32,
 }
 
-@group(2) @binding(0) var<uniform> rectangle: Rectangle;
-@group(2) @binding(1) var<storage, read> paths: array<PathEnd>;
-@group(2) @binding(2) var<storage, read> vertices: array<StoredVertex>;
-@group(2) @binding(3) var<storage, read> indices: array<u32>;
+@vertex
+fn tile_vertex(@builtin(vertex_index) index: u32, @builtin(instance_index) tile: u32) -> TileFragment {
+    var quad = array<vec2u, 6>(
+        vec2u(0u, 0u), vec2u(1u, 0u), vec2u(1u, 1u), vec2u(0u, 0u), vec2u(1u, 1u), vec2u(0u, 1u)
+    );
+    let place = vec2f(corners[tile] + quad[index] * tile_size) / projection.size.xy;
+    return TileFragment(vec4f(place * vec2f(2.0, -2.0) + vec2f(-1.0, 1.0), 0.0, 1.0), tile);
+}
 
 struct Triangle {
     corner: vec3f,
@@ -41,32 +46,20 @@ struct Triangle {
     texcoord_2: vec2f,
 }
 
-fn path_number(pixel: vec2u) -> u32 {
-    let place = pixel - rectangle.corner;
-    return place.y * rectangle.size.x + place.x;
+fn path_number(tile: u32, place: vec2u) -> u32 {
+    return (tile * tile_size.y + place.y) * tile_size.x + place.x;
 }
 
-fn position_of(vertex: StoredVertex) -> vec3f {
-    return vec3f(vertex.x, vertex.y, vertex.z);
-}
-
-fn normal_of(vertex: StoredVertex) -> vec3f {
-    return vec3f(vertex.normal_x, vertex.normal_y, vertex.normal_z);
-}
-
-fn texcoord_of(vertex: StoredVertex) -> vec2f {
-    return vec2f(vertex.u, vertex.v);
-}
-
-fn color_of(vertex: StoredVertex) -> vec3f {
-    return vec3f(unpack2x16unorm(vertex.color_red_green), unpack2x16unorm(vertex.color_blue).x);
+// The place of a fragment in its tile.
+fn tile_place(fragment: TileFragment) -> vec2u {
+    return vec2u(fragment.pixel.xy) - corners[fragment.tile];
 }
 
 // The path of a pixel beside this one by `step`, if it takes the same way: its ray is then this pixel's footprint.
-fn beside(pixel: vec2u, step: vec2i, path: PathEnd) -> PathEnd {
-    let place = vec2i(pixel) - vec2i(rectangle.corner) + step;
-    if all(place >= vec2i(0)) && all(place < vec2i(rectangle.size)) {
-        let other = paths[u32(place.y) * rectangle.size.x + u32(place.x)];
+fn beside(fragment: TileFragment, step: vec2i, path: PathEnd) -> PathEnd {
+    let place = vec2i(tile_place(fragment)) + step;
+    if all(place >= vec2i(0)) && all(place < vec2i(tile_size)) {
+        let other = paths[path_number(fragment.tile, vec2u(place))];
         let way = 0xFF00FFFFu;
         if (other.flags & way) == (path.flags & way) {
             return other;
@@ -88,16 +81,16 @@ fn texcoord_change(triangle: Triangle, path: PathEnd, other: PathEnd) -> vec2f {
     return clamp(change.x * triangle.texcoord_1 + change.y * triangle.texcoord_2, vec2f(-4.0), vec2f(4.0));
 }
 
-fn path_color(pixel: vec2u) -> vec3f {
-    let path = paths[path_number(pixel)];
+fn path_color(fragment: TileFragment) -> vec3f {
+    let path = paths[path_number(fragment.tile, tile_place(fragment))];
     // One step each way: the way back serves where the way on leads elsewhere.
-    var right = beside(pixel, vec2i(1, 0), path);
+    var right = beside(fragment, vec2i(1, 0), path);
     if all(right.direction == path.direction) {
-        right = beside(pixel, vec2i(-1, 0), path);
+        right = beside(fragment, vec2i(-1, 0), path);
     }
-    var down = beside(pixel, vec2i(0, 1), path);
+    var down = beside(fragment, vec2i(0, 1), path);
     if all(down.direction == path.direction) {
-        down = beside(pixel, vec2i(0, -1), path);
+        down = beside(fragment, vec2i(0, -1), path);
     }
     let spread = max(length(right.direction - path.direction), length(down.direction - path.direction));
     // A path that has met too many specular surfaces goes on as if nothing followed.
@@ -130,17 +123,17 @@ fn path_color(pixel: vec2u) -> vec3f {
 }
 
 @fragment
-fn traced_color(@builtin(position) pixel: vec4f) -> @location(0) vec4f {
-    return vec4f(path_color(vec2u(pixel.xy)), 1.0);
+fn traced_color(fragment: TileFragment) -> @location(0) vec4f {
+    return vec4f(path_color(fragment), 1.0);
 }
 
 @fragment
-fn traced_seen(@builtin(position) pixel: vec4f) -> Seen {
-    let path = paths[path_number(vec2u(pixel.xy))];
+fn traced_seen(fragment: TileFragment) -> Seen {
+    let path = paths[path_number(fragment.tile, tile_place(fragment))];
     let flags = path.flags & 0xFFFFFFu;
     if path.triangle < 0 {
-        return Seen(vec4f(path.direction, 0.0), flags);
+        return Seen(vec4f(path.direction, 0.0), flags, 0.0);
     }
     let object = vertices[indices[3u * u32(path.triangle)]].object;
-    return Seen(vec4f(path.origin + path.distance * path.direction, f32(object)), flags);
+    return Seen(vec4f(path.origin + path.distance * path.direction, f32(object)), flags, 0.0);
 }

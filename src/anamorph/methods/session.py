@@ -21,7 +21,7 @@ from anamorph.gpu.drawing import (
     submit,
     wait,
 )
-from anamorph.gpu.targets import COLOR_FORMAT, SEEN_FORMATS, begin_pass, make_target, read_texture
+from anamorph.gpu.targets import COLOR_FORMAT, SEEN_FORMATS, Target, begin_pass, make_target, read_texture
 from anamorph.projection import camera_projection
 from anamorph.scene.camera import Camera
 from anamorph.scene.geometry import Geometry, flatten
@@ -41,6 +41,10 @@ class SpecularDrawing(Protocol):
 
     def draw_color(self, render_pass: wgpu.GPURenderPassEncoder) -> None:
         """Draw into the picture; the shading and projection groups are bound."""
+        ...
+
+    def complete(self, target: Target, camera: Camera, shift: tuple[float, float]) -> None:
+        """Mend the picture in `target` where the method itself knows that it must; most methods know nothing."""
         ...
 
     def prepare_seen(self, encoder: wgpu.GPUCommandEncoder) -> None:
@@ -92,6 +96,7 @@ class DrawingSession:
         self._drawing.draw_color(render_pass)
         render_pass.end()
         submit(encoder)
+        self._drawing.complete(self._target, camera, shift)
 
     def wait(self) -> None:
         """Return when every submitted frame is finished."""
@@ -111,7 +116,7 @@ class DrawingSession:
         self._drawing.draw_seen(render_pass)
         render_pass.end()
         submit(encoder)
-        point, flags = (read_texture(texture) for texture in target.textures)
+        point, flags, deviation = (read_texture(texture) for texture in target.textures)
         origin, direction = self._drawing.rays() or (None, None)
         return Frame(
             color=color,
@@ -119,6 +124,7 @@ class DrawingSession:
             object_id=point[..., 3].astype(np.uint32),
             specular=flags & 0xFFFF,
             status=(flags >> 16).astype(np.uint8),
+            deviation=deviation,
             ray_origin=origin,
             ray_direction=direction,
         )

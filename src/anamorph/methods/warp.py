@@ -86,7 +86,7 @@ def world_of(geometry: Geometry) -> World:
 
 
 def plan_map(
-    mirror: Reflector, rays: RayMesh, eye: np.ndarray, world: World, projective: bool = True
+    mirror: Reflector, rays: RayMesh, eye: np.ndarray, world: World, projective: bool = True, strict: bool = False
 ) -> MapPlan | None:
     """Find a mirror's virtual viewpoint, view volume and texture coordinates; None where no map can show it.
 
@@ -99,6 +99,9 @@ def plan_map(
     world : World
         What the rays may hit.
     projective : bool
+    strict : bool
+        Whether the map must show all that the mirror does: then it shows what frames the mirror, and a vertex whose
+        ray meets something before the near plane has no place in it.
 
     Returns
     -------
@@ -114,8 +117,10 @@ def plan_map(
         return None
     frame = _map_frame(rays.origins[facing], directions[facing], weights)
     normal = _near_normal(weights, mirror.normals[facing], directions[facing], frame)
-    near_plane = _near_plane(normal, rays.origins[facing], directions[facing], eye, world)
-    distances = _hit_distances(rays.origins, directions, near_plane, world.caster)
+    hider = _hiders(rays.origins, eye, world)
+    near_plane, rim_plane = _near_planes(normal, rays.origins[facing], directions[facing], hider[facing], world)
+    start = np.maximum(_crossings(rays.origins, directions, rim_plane), world.caster.near)
+    distances = world.caster.cast(rays.origins, directions, start).distance
     sky = FARTHEST * float(np.linalg.norm(np.ptp(world.corners, axis=0)))
     hits = rays.origins + np.minimum(distances, sky)[:, None] * directions
 
@@ -124,6 +129,9 @@ def plan_map(
     ahead = projected[:, 2] > 0.0
     places = projected[:, :2] / np.where(ahead, projected[:, 2], 1.0)[:, None]
     inside = ahead & (np.abs(frame.convergence * places - frame.slope).max(axis=1) < WIDEST)
+    if strict:
+        first = world.caster.cast(rays.origins, directions, world.caster.near).distance
+        inside &= (hider > 0) | (first >= _crossings(rays.origins, directions, near_plane))
     if not (inside & facing).any():
         return None
     bounds = _bounds(places[inside & facing])
@@ -140,7 +148,7 @@ def plan_map(
     lookups = np.column_stack([texcoords * weight[:, None], weight, valid])
     lookups[~valid, :2], lookups[~valid, 2] = 0.5, 1.0
     return MapPlan(
-        projection=map_projection(frame, bounds, near_plane, world.corners),
+        projection=map_projection(frame, bounds, near_plane if strict else rim_plane, world.corners),
         lookups=lookups,
         texels=_texels(rays, texcoords, valid & facing, np.ptp(bounds, axis=0)),
         hits=hits,
@@ -192,39 +200,42 @@ def _near_normal(weights: np.ndarray, normals: np.ndarray, directions: np.ndarra
     return normal / np.linalg.norm(normal) if ahead else frame.axes[2]
 
 
-def _near_plane(
-    normal: np.ndarray, origins: np.ndarray, directions: np.ndarray, eye: np.ndarray, world: World
-) -> np.ndarray:
-    """The plane along the mirror just before its foremost vertex, and before what frames it, (4,).
+def _hiders(origins: np.ndarray, eye: np.ndarray, world: World) -> np.ndarray:
+    """The object that hides each vertex from the eye, (V,); 0 for none."""
+    sight = world.caster.cast(np.broadcast_to(eye, origins.shape), origins - eye)
+    hidden = (sight.triangle >= 0) & (sight.distance < 1.0 - 1e-4)
+    return np.where(hidden, world.face_object[sight.triangle], 0)
+
+
+def _near_planes(
+    normal: np.ndarray, origins: np.ndarray, directions: np.ndarray, hider: np.ndarray, world: World
+) -> tuple[np.ndarray, np.ndarray]:
+    """The planes along the mirror just before its foremost vertex, and just before what frames it, (4,) each.
 
     A rim over the mirror's border hides vertices from the eye. It must not hide the scene from them as well: no one
     sees where their rays meet the rim, but all that is interpolated towards it would be wrong.
     """
     diagonal = float(np.linalg.norm(np.ptp(origins, axis=0)))
-    top = float((origins @ normal).max())
+    foremost = top = float((origins @ normal).max())
 
     caster = world.caster
-    sight = caster.cast(np.broadcast_to(eye, origins.shape), origins - eye)
-    hidden = (sight.triangle >= 0) & (sight.distance < 1.0 - 1e-4)
-    hider = world.face_object[sight.triangle]
     start = np.full(len(origins), caster.near)
     for _ in range(MAXIMUM_LAYERS):
         hits = caster.cast(origins, directions, start)
-        framed = hidden & (hits.distance < diagonal) & (world.face_object[hits.triangle] == hider)
+        framed = (hider > 0) & (hits.distance < diagonal) & (world.face_object[hits.triangle] == hider)
         if not framed.any():
             break
         start = np.where(framed, hits.distance + caster.near, start)
         top = max(top, float(((origins + start[:, None] * directions) @ normal)[framed].max()))
-    return np.append(normal, -(top + 1e-4 * diagonal))
+    clearance = 1e-4 * diagonal
+    return np.append(normal, -(foremost + clearance)), np.append(normal, -(top + clearance))
 
 
-def _hit_distances(origins: np.ndarray, directions: np.ndarray, near_plane: np.ndarray, caster: Caster) -> np.ndarray:
-    """Step 3.1: how far each ray goes to the scene beyond the near plane; infinite where it sees the sky."""
-    rise = directions @ near_plane[:3]
-    behind = -(origins @ near_plane[:3] + near_plane[3])
-    # A ray along the plane never crosses it: start it at the mirror.
-    start = np.where(rise > 1e-3, behind / np.maximum(rise, 1e-3), 0.0)
-    return caster.cast(origins, directions, np.maximum(start, caster.near)).distance
+def _crossings(origins: np.ndarray, directions: np.ndarray, plane: np.ndarray) -> np.ndarray:
+    """How far each ray goes before it crosses a plane that it starts behind; 0 for one that runs along it."""
+    rise = directions @ plane[:3]
+    behind = -(origins @ plane[:3] + plane[3])
+    return np.where(rise > 1e-3, behind / np.maximum(rise, 1e-3), 0.0)
 
 
 def _bounds(places: np.ndarray) -> np.ndarray:

@@ -88,6 +88,11 @@ def test_files_stay_short_enough_to_read(suffix: str, longest: int) -> None:
     assert {name: count for name, count in lines.items() if count > longest} == {}
 
 
+@pytest.mark.parametrize("said", ["(1024, 768)\n", "get_close_matches("])
+def test_what_several_modules_need_is_said_in_one(said: str) -> None:
+    assert len([module.name for module in MODULES if said in module.read_text()]) == 1
+
+
 def test_no_module_uses_relative_imports() -> None:
     for module in MODULES:
         tree = ast.parse(module.read_text())

@@ -14,6 +14,7 @@ from anamorph.measure.timing import Timing, eye_path, time_in_turn
 from anamorph.methods import parse
 from anamorph.methods.protocol import Session
 from anamorph.scene.model import Scene
+from anamorph.scene.scenefile import DEFAULT_SIZE
 from anamorph.versions import versions
 
 COMPETITOR = "raytrace"
@@ -106,7 +107,7 @@ class Comparison:
 def compare(
     scene: Scene,
     specs: Sequence[str],
-    size: tuple[int, int] = (1024, 768),
+    size: tuple[int, int] = DEFAULT_SIZE,
     truth: str = "raytrace",
     frames: int = 30,
     command: str = "",

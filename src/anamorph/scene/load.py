@@ -18,9 +18,9 @@ from typing import Any
 import numpy as np
 import trimesh
 
-from anamorph.errors import AnamorphError
+from anamorph.errors import AnamorphError, nearest
 from anamorph.scene.checks import check_triangles
-from anamorph.scene.files import Folder, as_utf8, nearest, read
+from anamorph.scene.files import Folder, as_utf8, read
 from anamorph.scene.gltf import Gltf, read_gltf
 from anamorph.scene.looks import look
 from anamorph.scene.model import Mesh, Texture

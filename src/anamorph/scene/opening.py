@@ -4,10 +4,9 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from anamorph.errors import AnamorphError
+from anamorph.errors import AnamorphError, nearest
 from anamorph.scene import builtin
 from anamorph.scene.checks import check_scene
-from anamorph.scene.files import nearest
 from anamorph.scene.framing import stand_before_mirror
 from anamorph.scene.load import SUFFIXES, load_parts
 from anamorph.scene.model import Scene

@@ -9,6 +9,7 @@ import signal
 import subprocess
 import sys
 import time
+from contextlib import contextmanager
 from pathlib import Path
 
 import numpy as np
@@ -270,6 +271,19 @@ def test_progress_is_told_on_a_terminal_only(terminal, monkeypatch):
         tell(1, 2, "half of [it]")
     assert ("half of [it]" in told.getvalue()) == terminal
     assert terminal or told.getvalue() == ""
+
+
+def test_render_tells_how_many_of_its_pictures_are_drawn(tmp_path, monkeypatch):
+    told = []
+
+    @contextmanager
+    def bar(what):
+        yield lambda *step: told.append(step)
+
+    monkeypatch.setattr(cli, "progress_bar", bar)
+    arguments = ["render", "flat-mirror", "-o", str(tmp_path / "a.png"), "--size", "32x24"]
+    assert cli.main([*arguments, "--samples", "2"]) == 0
+    assert told == [(n, 4, f"rendering flat-mirror, picture {n} of 4") for n in (1, 2, 3, 4)]
 
 
 def test_the_demo_writes_a_page_figures_and_a_picture_by_each_method(tmp_path, monkeypatch):

@@ -83,14 +83,19 @@ def _render(arguments: argparse.Namespace) -> None:
 
     if arguments.method:
         parse(arguments.method)
-    with progress_bar(f"rendering {arguments.scene}"):
+    what = f"rendering {arguments.scene}"
+    with progress_bar(what) as tell:
         scene, settings = open_scene(arguments.scene)
         size = arguments.size or settings.size
         view = View(scene, scene.camera, size, samples=arguments.samples)
         specification = arguments.method or settings.method
         if arguments.tolerance is not None:
             specification = with_option(specification, "tolerance", arguments.tolerance)
-        frame = draw_frame(view, specification, seen=bool(arguments.seen))
+
+        def drawn(done: int, total: int) -> None:
+            tell(done, total, f"{what}, picture {done} of {total}" if total > 1 else what)
+
+        frame = draw_frame(view, specification, bool(arguments.seen), drawn)
     frame.save(arguments.output)
     for name, path in arguments.seen:
         save_array(path, getattr(frame, name))

@@ -43,7 +43,7 @@ def eye_path(scene: Scene, n: int) -> list[Camera]:
 
 def _eye_distance(scene: Scene) -> float:
     """From the eye to the nearest vertex of a specular mesh, or to the target where there is none."""
-    places = [mesh.positions for mesh in scene.meshes if mesh.specular] or [[scene.camera.target]]
+    places = [mesh.positions for mesh in scene.meshes if mesh.specular] or [np.array([scene.camera.target])]
     offsets = np.concatenate(places).astype(float) - scene.camera.position
     return float(np.linalg.norm(offsets, axis=1).min())
 

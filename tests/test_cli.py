@@ -9,24 +9,35 @@ import signal
 import subprocess
 import sys
 import time
+from contextlib import contextmanager
 from pathlib import Path
 
 import numpy as np
 import pytest
 import trimesh
+import wgpu
 from PIL import Image
 from rich.console import Console
 
-from anamorph import demo, progress
+import anamorph
+from anamorph import cli, demo, progress
 
 COMMAND = [sys.executable, "-m", "anamorph"]
+HOME = Path(anamorph.__file__).resolve().parents[1]
+"""Where the package that is tested lies, whatever relative path it was found by."""
+
+
+def environment(**changed: str) -> dict[str, str]:
+    """That of a user with no private run-time directory, from whichever directory the command is run."""
+    path = os.pathsep.join([str(HOME), *filter(None, [os.environ.get("PYTHONPATH")])])
+    kept = {name: value for name, value in os.environ.items() if name != "XDG_RUNTIME_DIR"}
+    return kept | {"PYTHONPATH": path} | changed
 
 
 def run(*arguments: str, directory: Path | None = None) -> subprocess.CompletedProcess[str]:
-    """Run the command as a user whose output is piped would, with no private run-time directory."""
-    environment = {name: value for name, value in os.environ.items() if name != "XDG_RUNTIME_DIR"}
+    """Run the command as a user whose output is piped would."""
     return subprocess.run(
-        [*COMMAND, *arguments], capture_output=True, text=True, cwd=directory, env=environment, timeout=300
+        [*COMMAND, *arguments], capture_output=True, text=True, cwd=directory, env=environment(), timeout=300
     )
 
 
@@ -158,9 +169,82 @@ def test_bad_input_is_one_line_and_leaves_no_file(arguments, told, tmp_path):
     assert os.listdir(tmp_path) == ["damaged.glb"]
 
 
+@pytest.mark.parametrize("kind", [wgpu.GPUValidationError, wgpu.GPUInternalError, wgpu.GPUError])
+def test_a_failing_device_is_one_line(kind, monkeypatch, capsys):
+    def fail(arguments):
+        raise kind("Validation Error\n\nCaused by:\n  In Queue::submit\n    Parent device is lost\n")
+
+    monkeypatch.setattr(cli, "_scenes", fail)
+    assert cli.main(["scenes"]) == 2
+    told = capsys.readouterr()
+    assert told.err.startswith("anamorph: error: the graphics device failed (Validation Error Caused by")
+    assert "device is lost" in told.err
+    assert (told.out, told.err.count("\n")) == ("", 1)
+
+
+def test_a_fault_of_the_program_is_not_called_one_of_the_device(monkeypatch):
+    def fail(arguments):
+        raise ZeroDivisionError
+
+    monkeypatch.setattr(cli, "_scenes", fail)
+    with pytest.raises(ZeroDivisionError):
+        cli.main(["scenes"])
+
+
+# Signals itself when a module is first looked for, so that the moment is the same on every machine. A library may
+# guard its imports against every exception, which swallows an interrupt that is one.
+AT_A_MOMENT = """
+import os, signal, sys
+class Moment:
+    def find_spec(name, path=None, target=None):
+        if name == {moment!r}:
+            signal.raise_signal(signal.SIGINT)
+sys.argv = ["anamorph", "render", "flat-mirror", "-o", "a.png", "--size", "64x48"]
+sys.meta_path.insert(0, Moment)
+from anamorph.__main__ import main
+sys.exit(main())
+"""
+
+
+@pytest.mark.parametrize("moment", ["anamorph.cli", "numpy", "rich.progress", "trimesh", "networkx", "wgpu", "numba"])
+def test_an_interrupt_during_the_imports_is_one_line_and_the_end(moment, tmp_path):
+    program = [sys.executable, "-c", AT_A_MOMENT.format(moment=moment)]
+    ended = subprocess.run(program, capture_output=True, text=True, cwd=tmp_path, env=environment(), timeout=60)
+    assert (ended.returncode, ended.stdout) == (130, "")
+    assert ended.stderr == "anamorph: error: interrupted; files that are there are whole\n"
+    assert os.listdir(tmp_path) == []
+
+
+# Interrupts while a file is half written, and from within a callback, which cannot pass an exception on.
+WHILE_WRITING = """
+import ctypes, signal
+from anamorph.interrupt import leave_on_interrupt
+from anamorph.output import whole_file
+leave_on_interrupt()
+with whole_file("a.json") as file:
+    file.write(b"half")
+    ctypes.CFUNCTYPE(None)(lambda: signal.raise_signal(signal.SIGINT))()
+"""
+
+
+def test_an_interrupt_in_a_callback_while_a_file_is_written_leaves_no_part_of_it(tmp_path):
+    program = [sys.executable, "-c", WHILE_WRITING]
+    ended = subprocess.run(program, capture_output=True, text=True, cwd=tmp_path, env=environment(), timeout=60)
+    assert (ended.returncode, ended.stderr.count("\n")) == (130, 1)
+    assert os.listdir(tmp_path) == []
+
+
+def test_a_command_that_is_to_ignore_interrupts_does():
+    program = "import signal; from anamorph.interrupt import leave_on_interrupt as leave\n" + (
+        "signal.signal(signal.SIGINT, signal.SIG_IGN); leave(); signal.raise_signal(signal.SIGINT)"
+    )
+    assert subprocess.run([sys.executable, "-c", program], env=environment(), timeout=60).returncode == 0
+
+
 def test_an_interrupt_says_so_and_leaves_no_part_of_a_file(tmp_path):
     arguments = ["compare", "car-mirror", "--json", "a.json", "--html", "a.html"]
-    with subprocess.Popen([*COMMAND, *arguments], cwd=tmp_path, stderr=subprocess.PIPE, text=True) as process:
+    pipes = {"stderr": subprocess.PIPE, "text": True, "env": environment()}
+    with subprocess.Popen([*COMMAND, *arguments], cwd=tmp_path, **pipes) as process:
         time.sleep(1.5)
         process.send_signal(signal.SIGINT)
         error = process.communicate(timeout=60)[1]
@@ -170,7 +254,7 @@ def test_an_interrupt_says_so_and_leaves_no_part_of_a_file(tmp_path):
 
 
 def test_a_reader_who_has_enough_is_no_error():
-    buffered = {name: value for name, value in os.environ.items() if name != "PYTHONUNBUFFERED"}
+    buffered = environment(PYTHONUNBUFFERED="")
     pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE}
     with subprocess.Popen([*COMMAND, "scenes"], env=buffered, text=True, **pipes) as process:
         process.stdout.close()
@@ -187,6 +271,19 @@ def test_progress_is_told_on_a_terminal_only(terminal, monkeypatch):
         tell(1, 2, "half of [it]")
     assert ("half of [it]" in told.getvalue()) == terminal
     assert terminal or told.getvalue() == ""
+
+
+def test_render_tells_how_many_of_its_pictures_are_drawn(tmp_path, monkeypatch):
+    told = []
+
+    @contextmanager
+    def bar(what):
+        yield lambda *step: told.append(step)
+
+    monkeypatch.setattr(cli, "progress_bar", bar)
+    arguments = ["render", "flat-mirror", "-o", str(tmp_path / "a.png"), "--size", "32x24"]
+    assert cli.main([*arguments, "--samples", "2"]) == 0
+    assert told == [(n, 4, f"rendering flat-mirror, picture {n} of 4") for n in (1, 2, 3, 4)]
 
 
 def test_the_demo_writes_a_page_figures_and_a_picture_by_each_method(tmp_path, monkeypatch):

@@ -12,6 +12,7 @@ from scenes import CAMERA, CENTER, SIZE, drawn, flat_mirror, open_view, scene_wi
 
 from anamorph.errors import AnamorphError
 from anamorph.frame import Status
+from anamorph.gpu import maps, targets
 from anamorph.measure.errors import measure, silhouettes
 from anamorph.methods.environment import FACES, cube_projections, faces_needed, reflectors
 from anamorph.optics.reflection import reflected_rays, reflector
@@ -163,6 +164,31 @@ def test_a_narrow_bundle_needs_few_faces():
     assert faces_needed(reflected_rays(reflector(flat_mirror()), camera, SIZE)) == [4]
 
 
+def test_a_bundle_that_ends_beside_an_edge_needs_the_face_beyond_it():
+    for degrees, needed in ((41.0, [4]), (43.0, [0, 4]), (47.0, [0, 4]), (49.0, [0])):
+        turn = np.radians(degrees / 2.0)
+        toward = np.array([np.sin(turn), 0.0, np.cos(turn)])
+        mirror = replace(plain(flat_mirror()), normals=np.tile(toward, (4, 1)).astype(np.float32))
+        far = Camera(tuple(np.add(CENTER, (0.0, 0.0, 1e4)).tolist()), tuple(CENTER.tolist()))
+        assert faces_needed(reflected_rays(reflector(mirror), far, SIZE)) == needed
+
+
+def test_cube_faces_share_their_depth_buffer_and_make_their_depths_on_first_use(monkeypatch):
+    made = []
+
+    def counted(size, form, *arguments, **named):
+        made.append(form)
+        return targets.make_texture(size, form, *arguments, **named)
+
+    monkeypatch.setattr(maps, "make_texture", counted)
+    cube = maps.make_cube(8)
+    assert sorted(made) == ["depth32float", "rgba16float"]
+    assert len({id(face.color.depth) for face in cube}) == 1
+    assert cube[3].depth().textures == cube[0].depth().textures
+    assert made.count("rgba32float") == 1
+    assert {id(face.depth().depth) for face in cube} == {id(cube[0].color.depth)}
+
+
 def test_drawn_once_is_drawn_always_while_nothing_moves():
     scene = scene_with(spherical_mirror())
     once, always = drawn(scene, "environment:update=once"), drawn(scene, "environment")
@@ -204,6 +230,8 @@ def test_planar_is_exact_for_a_flat_mirror_and_refuses_a_curved_one():
         ("environment:face=-1", "face"),
         ("environment:face=5000", "face"),
         ("environment:antialias=3", "antialias"),
+        ("environment:mode=planar,face=64", "face is for cube maps"),
+        ("environment:mode=planar,update=once", "update is for cube maps"),
     ],
 )
 def test_wrong_options_are_named(specification, word):

@@ -14,7 +14,7 @@ ROOT = Path(__file__).resolve().parents[1]
 PACKAGE = ROOT / "src" / "anamorph"
 MODULES = sorted(PACKAGE.rglob("*.py"))
 
-FOUNDATIONS = {"errors", "compiled", "output", "progress", "quiet", "srgb", "versions"}
+FOUNDATIONS = {"errors", "interrupt", "compiled", "output", "progress", "quiet", "srgb", "versions"}
 """Modules that know nothing of scenes or pictures; every room may use them, and they use only each other."""
 
 BELOW: dict[str, set[str]] = {
@@ -86,6 +86,11 @@ def test_the_guard_sees_every_form_of_import() -> None:
 def test_files_stay_short_enough_to_read(suffix: str, longest: int) -> None:
     lines = {path.name: len(path.read_text().splitlines()) for path in PACKAGE.rglob(f"*{suffix}")}
     assert {name: count for name, count in lines.items() if count > longest} == {}
+
+
+@pytest.mark.parametrize("said", ["(1024, 768)\n", "get_close_matches("])
+def test_what_several_modules_need_is_said_in_one(said: str) -> None:
+    assert len([module.name for module in MODULES if said in module.read_text()]) == 1
 
 
 def test_no_module_uses_relative_imports() -> None:

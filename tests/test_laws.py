@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
-from hypothesis import given
+from hypothesis import assume, given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
+from anamorph.methods.bounces import _glass, _schlick
 from anamorph.optics.laws import fresnel, reflect, refract, schlick
 
 # Cosines from straight on to grazing within 1e-9, with the ends drawn on purpose.
@@ -109,3 +110,23 @@ def test_fresnel_at_normal_incidence_and_at_brewsters_angle():
     brewster = np.arctan(1.5)
     across = (np.cos(2 * brewster)) ** 2 / 2
     assert np.isclose(fresnel(1 / 1.5, np.cos([brewster]))[0], across)
+
+
+@given(frames, cosines, etas)
+def test_the_compiled_glass_is_that_of_the_laws(frame, cosine, eta):
+    normal, _, incident = ray(frame, cosine)
+    sine = eta * np.sqrt((1 - cosine) * (1 + cosine))
+    # There the last digit decides whether light crosses.
+    assume(abs(sine - 1) > 1e-9)
+    bent, share, crosses = _glass(tuple(incident), tuple(normal), eta)
+    direction, total = refract(incident[None], normal[None], eta)
+    assert crosses != total[0]
+    assert np.allclose(bent, direction[0], rtol=0, atol=1e-13)
+    # The compiled cosine comes from a dot product, whose rounding counts where Fresnel's share is steep.
+    expected = 1.0 if total[0] else 1.0 - fresnel(eta, np.array([cosine]))[0]
+    assert abs(share - expected) < 1e-6
+
+
+@given(st.floats(0, 1), st.one_of(cosines, st.just(0.0)))
+def test_the_compiled_schlick_is_that_of_the_laws(reflectance, cosine):
+    assert abs(_schlick(reflectance, cosine) - schlick(reflectance, np.array([cosine]))[0]) < 1e-15

@@ -20,6 +20,7 @@ from anamorph.errors import AnamorphError
 from anamorph.scene.load import load_model, load_parts
 from anamorph.scene.model import Diffuse, Mesh
 from anamorph.scene.normals import creased, has_area
+from anamorph.scene.opening import open_scene
 
 SAMPLES = Path("/usr/share/assimp/models")
 needs_samples = pytest.mark.skipif(not SAMPLES.is_dir(), reason="Debian's assimp-testmodels is not installed")
@@ -251,6 +252,27 @@ def test_units_and_place_of_an_stl_file(tmp_path: Path) -> None:
     normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     normal /= np.linalg.norm(normal, axis=1, keepdims=True)
     assert np.allclose(mesh.normals[mesh.faces], normal[:, None], atol=1e-5)
+
+
+def test_a_model_in_map_coordinates_alone_is_as_sharp_as_one_at_the_origin(tmp_path: Path) -> None:
+    box = trimesh.creation.box((1.0, 2.0, 3.0))
+    box.export(tmp_path / "near.obj")
+    box.apply_translation((5e5, 120.0, 4e6))
+    box.export(tmp_path / "far.obj", digits=10)
+    scenes = [open_scene(tmp_path / f"{name}.obj")[0] for name in ("near", "far")]
+    assert [mesh.name for mesh in scenes[1].meshes][:3] == ["mirror", "mirror-plate", "ground"]
+    for near, far in zip(*(scene.meshes[:3] for scene in scenes), strict=True):
+        assert far.positions == pytest.approx(near.positions, abs=1e-5)
+    assert np.ptp(scenes[1].meshes[3].positions, axis=0) == pytest.approx([1.0, 2.0, 3.0], abs=1e-5)
+    assert np.abs(load_model(tmp_path / "far.obj")[0].positions).max() > 1e6
+
+
+def test_a_part_of_a_scene_file_that_is_far_away_is_named_with_the_remedy(tmp_path: Path) -> None:
+    trimesh.creation.box((1.0, 2.0, 3.0)).apply_translation((5e5, 120.0, 4e6)).export(tmp_path / "tower.obj")
+    text = '[[model]]\nfile = "tower.obj"\n[eye]\nposition = [500000, 120, 3999990]\ntarget = [500000, 120, 4000000]\n'
+    (tmp_path / "town.toml").write_text(text)
+    with pytest.raises(AnamorphError, match=r"town\.toml: part 'tower': is 3 m large and 4e\+06 m .*translate"):
+        open_scene(tmp_path / "town.toml")
 
 
 def test_old_text_encodings_are_read(tmp_path: Path) -> None:

@@ -112,7 +112,7 @@ def test_options_are_read_from_text():
 @pytest.mark.parametrize(
     ("specification", "said"),
     [
-        ("pervertx", "did you mean pervertex"),
+        ("pervertx", "did you mean 'pervertex'"),
         ("", "no method ''"),
         ("PERVERTEX", "methods are raytrace"),
         ("pervertex:antialias", "write option=value"),

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import time
+
 import numpy as np
 import pytest
 import trimesh
 
-from anamorph import rays
+from anamorph import compiled, rays
 from anamorph.errors import AnamorphError
 from anamorph.rays import Caster
 from anamorph.scene.camera import Camera
@@ -170,3 +172,32 @@ def test_a_closed_mesh_has_no_gap(monkeypatch):
     origins = random.uniform(-0.5, 0.5, (40000, 3))
     for coherent in (False, True):
         assert (caster.cast(origins, points - origins, coherent=coherent).triangle >= 0).all()
+
+
+def test_after_a_failed_piece_none_is_running_and_no_other_starts(monkeypatch):
+    monkeypatch.setattr(compiled, "cores", lambda: 2)
+    begun = []
+
+    def work(start: int, stop: int) -> None:
+        begun.append(start)
+        if start == 0:
+            raise ValueError("the first piece")
+        time.sleep(0.02)
+
+    with pytest.raises(ValueError, match="the first piece"):
+        compiled.over_all_cores(work, 400, 1)
+    count = len(begun)
+    assert count < 100
+    time.sleep(0.1)
+    assert len(begun) == count
+
+
+def test_a_tree_that_cannot_be_built_falls_back(monkeypatch):
+    def unavailable(positions, faces):
+        raise rays.embree.EmbreeUnavailable("Embree could not build its tree")
+
+    assert rays.direct_works()
+    monkeypatch.setattr(rays.embree, "Tree", unavailable)
+    caster = Caster(soup())
+    assert caster.way == "embreex"
+    assert caster.cast(*random_rays(100)).triangle.max() >= 0

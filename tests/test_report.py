@@ -9,20 +9,22 @@ import re
 from dataclasses import replace
 from html import escape
 from html.parser import HTMLParser
+from typing import Any
 
 import numpy as np
 import pytest
 from frames import FakeSession, plane_truth
 from PIL import Image
+from scenes import flat_mirror, surroundings
 
-from anamorph.frame import Status
+from anamorph.frame import Status, View
 from anamorph.measure import compare as compare_module
 from anamorph.measure.compare import Comparison, compare
 from anamorph.measure.figures import ROWS, number, status_shares
 from anamorph.measure.heatmap import HIGHEST, LOWEST, VIRIDIS, heat_map, scale_colors
 from anamorph.measure.report import report_page, specular_box
 from anamorph.measure.table import print_table
-from anamorph.measure.timing import WARM_UP, eye_path, time_frames, time_in_turn
+from anamorph.measure.timing import WARM_UP, Timing, eye_path, time_frames, time_in_turn
 from anamorph.methods.protocol import Method
 from anamorph.scene.camera import Camera
 from anamorph.scene.model import Scene
@@ -33,7 +35,7 @@ ODD = 'odd:name="<b>&",other=1'
 
 
 @pytest.fixture
-def sessions(monkeypatch) -> dict[str, FakeSession]:
+def sessions(monkeypatch) -> dict[str, Any]:
     """Three methods, by name: the truth, one that is nearly right, one whose name must be escaped."""
     truth = plane_truth()
     truth.specular[:4] = 0
@@ -45,10 +47,15 @@ def sessions(monkeypatch) -> dict[str, FakeSession]:
         "raytrace": FakeSession(truth),
         "pervertex": FakeSession(near),
         ODD: FakeSession(replace(near, color=0.5 * near.color)),
+        compare_module.PLAIN: FakeSession(near),
     }
 
     def parse(spec: str) -> tuple[Method, object]:
-        return Method(spec, "", "", object, lambda view, options: made[spec]), object()
+        def open_session(view: View, options: object) -> FakeSession:
+            made["scene"] = view.scene
+            return made[spec]
+
+        return Method(spec, "", "", object, open_session), object()
 
     monkeypatch.setattr(compare_module, "parse", parse)
     monkeypatch.setattr(compare_module, "adapter_name", lambda: "Fake & Sons (CPU)")
@@ -61,7 +68,7 @@ def comparison(sessions) -> Comparison:
 
 
 def test_the_eye_goes_round_its_place_and_keeps_its_target():
-    cameras = eye_path(CAMERA, 8)
+    cameras = eye_path(SCENE, 8)
     offsets = np.array([camera.position for camera in cameras]) - CAMERA.position
     assert np.linalg.norm(offsets, axis=1) == pytest.approx(np.full(8, 0.005 * 2.0))
     assert offsets.mean(axis=0) == pytest.approx(np.zeros(3), abs=1e-12)
@@ -70,9 +77,18 @@ def test_the_eye_goes_round_its_place_and_keeps_its_target():
     assert len({camera.position for camera in cameras}) == 8
 
 
+def test_the_eye_keeps_its_distance_from_the_mirror_however_far_its_target_is():
+    far = replace(CAMERA, target=(1.0, 2.0, -1e5))
+    mirror = flat_mirror()
+    nearest = np.linalg.norm(mirror.positions - np.array(far.position), axis=1).min()
+    cameras = eye_path(Scene("far", (mirror, *surroundings()), far), 4)
+    offsets = np.array([camera.position for camera in cameras]) - far.position
+    assert np.linalg.norm(offsets, axis=1) == pytest.approx(np.full(4, 0.005 * nearest))
+
+
 def test_frames_are_drawn_and_waited_for_but_not_read():
     session = FakeSession(plane_truth())
-    timing = time_frames(session, eye_path(CAMERA, 7), minimum=30)
+    timing = time_frames(session, eye_path(SCENE, 7), minimum=30)
     assert session.calls == ["draw", "wait"] * (30 + WARM_UP)
     assert all(first != second for first, second in zip(session.eyes, session.eyes[1:], strict=False))
     assert timing.n == 30
@@ -91,7 +107,7 @@ def test_methods_take_turns():
         session.calls.append(name)
         return session
 
-    time_in_turn({"a": named("a"), "b": named("b")}, eye_path(CAMERA, 3), minimum=3)
+    time_in_turn({"a": named("a"), "b": named("b")}, eye_path(SCENE, 3), minimum=3)
     assert order == ["a", "b"] * (3 + WARM_UP)
 
 
@@ -125,13 +141,36 @@ def test_the_competitor_is_timed_whether_named_or_not(sessions):
 
 
 def test_a_scene_without_mirrors_has_null_errors_and_no_crash(sessions):
-    for session in sessions.values():
+    for session in list(sessions.values()):
         session.shown.specular[:] = 0
     comparison = compare(SCENE, ["pervertex"], (48, 32))
     figures = json.loads(comparison.to_json())["methods"]["pervertex"]
     assert figures["angular_mrad"] == {"median": None, "p95": None, "max": None}
     assert figures["flip"] is figures["silhouette_percent"] is None
     assert "<td>-</td>" in report_page(comparison)
+
+
+def test_the_frame_without_mirrors_takes_its_turn(sessions):
+    scene = replace(SCENE, meshes=(flat_mirror(), *surroundings()))
+    comparison = compare(scene, ["pervertex"], (48, 32))
+    assert sessions[compare_module.PLAIN].calls == ["draw", "wait"] * (30 + WARM_UP)
+    assert [mesh.name for mesh in sessions["scene"].meshes] == [mesh.name for mesh in surroundings()]
+    figures = json.loads(comparison.to_json())
+    assert figures["without_mirrors_ms"].keys() == {"median", "min", "max", "n"}
+    slow = replace(comparison, without_mirrors=Timing(0.25, 0.2, 0.3, 30))
+    slow = replace(slow, methods=tuple(replace(r, timing=Timing(1.0, 1.0, 1.0, 30)) for r in slow.methods))
+    (row,) = (row for row in ROWS if row.label == "the frame without mirrors")
+    assert [row.cell(slow, result) for result in slow.methods] == ["4.00", "4.00"]
+    assert "0.250 ms" in report_page(slow)
+
+
+def test_a_scene_of_mirrors_alone_has_no_frame_without_them(sessions, capsys):
+    comparison = compare(replace(SCENE, meshes=(flat_mirror(),)), ["pervertex"], (48, 32))
+    assert comparison.without_mirrors is None
+    assert json.loads(comparison.to_json())["without_mirrors_ms"] is None
+    assert "nothing is left of the scene" in report_page(comparison)
+    print_table(comparison)
+    assert "without mirrors" in capsys.readouterr().out
 
 
 def test_progress_goes_forward_to_its_end(sessions):

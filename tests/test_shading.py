@@ -8,7 +8,13 @@ import numpy as np
 import pytest
 from scenes import drawn, open_view
 
+from anamorph.frame import View
+from anamorph.gpu.device import get_device
+from anamorph.gpu.drawing import draw_mesh, make_pipeline, shader_module, submit
+from anamorph.gpu.targets import begin_pass, make_target, read_texture
 from anamorph.gpu.textures import mip_levels
+from anamorph.methods.session import Stage
+from anamorph.projection import camera_projection
 from anamorph.scene.builtin.shapes import grid
 from anamorph.scene.builtin.textures import checkerboard
 from anamorph.scene.camera import Camera
@@ -249,3 +255,20 @@ def test_a_light_that_touches_a_surface_leaves_finite_colours():
     for height in (0.0, 1e-5, 1e-2):
         light = PointLight((float(point[0]), float(point[1]), float(point[2]) + height), (10.0, 10.0, 10.0))
         assert np.isfinite(picture(quad(), (light,)).color).all()
+
+
+def test_a_light_beyond_half_floats_is_as_bright_as_they_can_be():
+    """Drawn in full floats: what a driver makes of numbers that half floats cannot hold is its own affair."""
+    light = DirectionalLight((0.0, 0.0, 1.0), (1e9, 1e9, 1.0))
+    stage = Stage(View(Scene("quad", (quad(),), CAMERA, (light,)), CAMERA, SIZE))
+    stage.projection.write(camera_projection(CAMERA, SIZE), SIZE)
+    target = make_target(SIZE, ("rgba32float",))
+    encoder = get_device().create_command_encoder()
+    render_pass = begin_pass(encoder, target)
+    render_pass.set_bind_group(0, stage.buffers.shading)
+    render_pass.set_bind_group(1, stage.projection.group)
+    render_pass.set_pipeline(make_pipeline(shader_module(), "scene_vertex", "scene_color", ("rgba32float",)))
+    draw_mesh(render_pass, stage.buffers, 0)
+    render_pass.end()
+    submit(encoder)
+    assert read_texture(target.textures[0])[..., :3].max() == np.finfo(np.float16).max

@@ -1,7 +1,17 @@
-"""`python -m anamorph` is the command `anamorph`."""
+"""The command `anamorph`, also as `python -m anamorph`: minds interrupts before anything heavy is imported."""
 
 import sys
 
-from anamorph.cli import main
+from anamorph.interrupt import leave_on_interrupt
 
-sys.exit(main())
+
+def main() -> int:
+    """Run the command line and return its exit code."""
+    leave_on_interrupt()
+    from anamorph.cli import main as run
+
+    return run()
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -56,7 +56,18 @@ def main(argv: Sequence[str] | None = None) -> int:
         return 141
     except OSError as error:
         return _fail(f"{error.filename or 'system'}: {error.strerror or error}; check the path and its permissions", 2)
+    except Exception as error:
+        if not _of_device(error):
+            raise
+        said = " ".join(str(error).split())
+        return _fail(f"the graphics device failed ({said[:200]}); try a smaller --size, or another driver", 2)
     return 0
+
+
+def _of_device(error: Exception) -> bool:
+    """Whether the device refused or was lost; wgpu is not imported for the question."""
+    wgpu = sys.modules.get("wgpu")
+    return wgpu is not None and isinstance(error, (wgpu.GPUError, wgpu.GPUPipelineError))
 
 
 def _fail(message: str, code: int) -> int:
@@ -76,14 +87,19 @@ def _render(arguments: argparse.Namespace) -> None:
 
     if arguments.method:
         parse(arguments.method)
-    with progress_bar(f"rendering {arguments.scene}"):
+    what = f"rendering {arguments.scene}"
+    with progress_bar(what) as tell:
         scene, settings = open_scene(arguments.scene, _face_choice(arguments), arguments.mirror_of)
         size = arguments.size or settings.size
         view = View(scene, scene.camera, size, samples=arguments.samples)
         specification = arguments.method or settings.method
         if arguments.tolerance is not None:
             specification = with_option(specification, "tolerance", arguments.tolerance)
-        frame = draw_frame(view, specification, seen=bool(arguments.seen))
+
+        def drawn(done: int, total: int) -> None:
+            tell(done, total, f"{what}, picture {done} of {total}" if total > 1 else what)
+
+        frame = draw_frame(view, specification, bool(arguments.seen), drawn)
     frame.save(arguments.output)
     for name, path in arguments.seen:
         save_array(path, getattr(frame, name))

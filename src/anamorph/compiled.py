@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 import os
 from collections.abc import Callable
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import ThreadPoolExecutor, wait
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -62,5 +62,12 @@ def over_all_cores(work: Callable[[int, int], None], count: int, grain: int) -> 
         for start in starts:
             work(start, min(start + grain, count))
         return
-    for result in [_threads().submit(work, start, min(start + grain, count)) for start in starts]:
-        result.result()
+    pieces = [_threads().submit(work, start, min(start + grain, count)) for start in starts]
+    try:
+        for piece in pieces:
+            piece.result()
+    finally:
+        # After a failure, nothing that still runs may write into arrays that the caller has given up.
+        for piece in pieces:
+            piece.cancel()
+        wait(pieces)

@@ -11,9 +11,10 @@ from anamorph.output import save_text
 from anamorph.progress import Tell
 from anamorph.rendering import draw_frame
 from anamorph.scene.opening import open_scene
+from anamorph.scene.scenefile import DEFAULT_SIZE
 
 SCENE = "car-mirror"
-SIZE = (1024, 768)
+SIZE = DEFAULT_SIZE
 PICTURES = {
     "pervertex": ("pervertex:antialias=4,mipmaps=true", 1),
     "environment": ("environment:antialias=4", 2),

@@ -1,4 +1,9 @@
-"""The one error a user is meant to read."""
+"""The one error a user is meant to read, and the hint that many of its lines end with."""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Iterable
 
 
 class AnamorphError(ValueError):
@@ -6,3 +11,10 @@ class AnamorphError(ValueError):
 
     The command line prints it on stderr and exits with code 2.
     """
+
+
+def nearest(word: str, known: Iterable[str]) -> str:
+    """'; did you mean ...?' with the known word nearest to `word`, or nothing."""
+    names = {name.lower(): name for name in known}
+    found = difflib.get_close_matches(word.lower(), names, n=1, cutoff=0.5)
+    return f"; did you mean '{names[found[0]]}'?" if found else ""

@@ -13,6 +13,7 @@ import numpy as np
 from PIL import Image
 
 from anamorph.errors import AnamorphError
+from anamorph.interrupt import on_interrupt
 from anamorph.srgb import encode_srgb
 
 PICTURES = (".png", ".jpg", ".jpeg", ".webp", ".npy")
@@ -46,9 +47,10 @@ def whole_file(path: str | Path) -> Iterator[BinaryIO]:
     path = check_output(path).resolve()
     unfinished = path.with_name(f".{path.name}.{os.getpid()}.part")
     try:
-        with open(unfinished, "wb") as file:
-            yield file
-        os.replace(unfinished, path)
+        with on_interrupt(unfinished.unlink):
+            with open(unfinished, "wb") as file:
+                yield file
+            os.replace(unfinished, path)
     except OSError as error:
         reason = error.strerror or error
         raise AnamorphError(f"{path}: cannot be written ({reason}); free space or choose another") from error

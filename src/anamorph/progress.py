@@ -9,6 +9,8 @@ from rich.console import Console
 from rich.markup import escape
 from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 
+from anamorph.interrupt import on_interrupt
+
 Tell = Callable[[int, int, str], None]
 """Told the steps done, their number, and what is being done now."""
 
@@ -21,6 +23,6 @@ def progress_bar(what: str) -> Iterator[Tell]:
         yield lambda done, total, what: None
         return
     columns = (TextColumn("{task.description}"), BarColumn(), TimeElapsedColumn())
-    with Progress(*columns, console=console, transient=True) as bar:
+    with Progress(*columns, console=console, transient=True) as bar, on_interrupt(bar.stop):
         task = bar.add_task(escape(what), total=None)
         yield lambda done, total, what: bar.update(task, completed=done, total=total, description=escape(what))

@@ -119,10 +119,17 @@ class Caster:
         if wanted not in ("embree", "embreex"):
             raise AnamorphError(f"ANAMORPH_RAYS is {wanted!r}; set it to embree or embreex, or unset it")
         self.way = "embree" if wanted == "embree" and direct_works() else "embreex"
-        build = embree.Tree if self.way == "embree" else _Wrapper
-        self._tree = build(geometry.positions, geometry.faces)
+        self._tree = self._build(geometry)
         # Rays are rounded to float32, by 6e-8 of the coordinates.
         self.near = 1e-6 * float(np.abs(geometry.positions).max(initial=0.0))
+
+    def _build(self, geometry: Geometry) -> embree.Tree | _Wrapper:
+        if self.way == "embree":
+            try:
+                return embree.Tree(geometry.positions, geometry.faces)
+            except embree.EmbreeUnavailable:
+                self.way = "embreex"
+        return _Wrapper(geometry.positions, geometry.faces)
 
     def cast(
         self,

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import dataclasses
+from collections.abc import Callable
+from itertools import product
 from pathlib import Path
 from typing import Any
 
@@ -19,23 +21,26 @@ from anamorph.scene.scenefile import Settings
 
 MAXIMUM_SAMPLES = 32
 
+Drawn = Callable[[int, int], None]
+"""Told the shifted pictures that are drawn, and their number."""
 
-def draw_frame(view: View, specification: str, seen: bool = False) -> Frame:
+
+def draw_frame(view: View, specification: str, seen: bool = False, tell: Drawn = lambda done, total: None) -> Frame:
     """Draw one frame of `view` by the method and options that `specification` names."""
     method, options = parse(specification)
-    return accumulate(view, method.open(view, options), seen)
+    return accumulate(view, method.open(view, options), seen, tell)
 
 
-def accumulate(view: View, session: Session, seen: bool = False) -> Frame:
+def accumulate(view: View, session: Session, seen: bool = False, tell: Drawn = lambda done, total: None) -> Frame:
     """Average the shifted pictures that `view.samples` asks for; seen buffers are those of pixel centres."""
-    if not 1 <= view.samples <= MAXIMUM_SAMPLES:
-        raise AnamorphError(f"samples is {view.samples}; give a number from 1 to {MAXIMUM_SAMPLES} a side")
+    if not isinstance(view.samples, int | np.integer) or not 1 <= view.samples <= MAXIMUM_SAMPLES:
+        raise AnamorphError(f"samples is {view.samples}; give a whole number from 1 to {MAXIMUM_SAMPLES} a side")
     steps = (np.arange(view.samples) + 0.5) / view.samples - 0.5
     total = np.zeros((view.size[1], view.size[0], 3))
-    for y in steps:
-        for x in steps:
-            session.draw(view.camera, (float(x), float(y)))
-            total += session.frame().color
+    for done, (y, x) in enumerate(product(steps, steps), start=1):
+        session.draw(view.camera, (float(x), float(y)))
+        total += session.frame().color
+        tell(done, view.samples**2)
     color = (total / view.samples**2).astype(np.float32)
     if not seen:
         return Frame(color)

@@ -21,7 +21,7 @@ from anamorph.gpu.drawing import (
     projection_uniform,
     shader_module,
 )
-from anamorph.gpu.targets import COLOR_FORMAT, MAP_FORMATS, Target, begin_pass, make_target, make_texture
+from anamorph.gpu.targets import COLOR_FORMAT, DEPTH_FORMAT, MAP_FORMATS, Target, begin_pass, make_target, make_texture
 from anamorph.projection import Projection
 
 
@@ -74,7 +74,9 @@ class Map:
     ----------
     size : (width, height)
     projection : ProjectionUniform
-    color, depth : Target
+    color : Target
+    depth : callable
+        Gives the target of depth, which may be made at the first call: only seen buffers need it.
     both : Target, optional
         Their two textures in one target, where colour is not antialiased.
     mirrored : bool
@@ -86,7 +88,7 @@ class Map:
     size: tuple[int, int]
     projection: ProjectionUniform
     color: Target
-    depth: Target
+    depth: Callable[[], Target]
     both: Target | None = None
     mirrored: bool = False
     halvings: tuple[Halving, ...] = ()
@@ -123,7 +125,7 @@ class Map:
 
     def draw_depth(self, encoder: wgpu.GPUCommandEncoder, buffers: SceneBuffers, absent: Sequence[int]) -> None:
         """Draw the scene's depth and object numbers."""
-        self._draw(encoder, self.depth, map_pipelines(self.mirrored), buffers, absent)
+        self._draw(encoder, self.depth(), map_pipelines(self.mirrored), buffers, absent)
 
     def _halve(self, encoder: wgpu.GPUCommandEncoder) -> None:
         for halving in self.halvings:
@@ -154,7 +156,7 @@ def make_map(size: tuple[int, int], antialias: int = 1, mipmaps: bool = False) -
         size=size,
         projection=projection_uniform(),
         color=make_target(size, (COLOR_FORMAT,), antialias, (texture,)),
-        depth=depth,
+        depth=lambda: depth,
         both=make_target(size, (COLOR_FORMAT, *MAP_FORMATS), textures=(texture, *depth.textures))
         if antialias == 1
         else None,
@@ -163,16 +165,28 @@ def make_map(size: tuple[int, int], antialias: int = 1, mipmaps: bool = False) -
 
 
 def make_cube(size: int) -> tuple[Map, ...]:
-    """Six maps that share the layers of two textures, in the order +x, -x, +y, -y, +z, -z."""
+    """Six maps that share the layers of two textures, in the order +x, -x, +y, -y, +z, -z.
+
+    They are drawn one after the other, so that one depth buffer serves them all.
+    """
     square = (size, size)
     color = (make_texture(square, COLOR_FORMAT, layers=6),)
-    depth = (make_texture(square, MAP_FORMATS[0], layers=6),)
+    buffer = make_texture(square, DEPTH_FORMAT).create_view()
+
+    @cache
+    def depths() -> list[Target]:
+        depth = (make_texture(square, MAP_FORMATS[0], layers=6),)
+        return [make_target(square, MAP_FORMATS, textures=depth, layer=layer, depth=buffer) for layer in range(6)]
+
+    def depth_of(layer: int) -> Callable[[], Target]:
+        return lambda: depths()[layer]
+
     return tuple(
         Map(
             size=square,
             projection=projection_uniform(),
-            color=make_target(square, (COLOR_FORMAT,), textures=color, layer=layer),
-            depth=make_target(square, MAP_FORMATS, textures=depth, layer=layer),
+            color=make_target(square, (COLOR_FORMAT,), textures=color, layer=layer, depth=buffer),
+            depth=depth_of(layer),
             mirrored=True,
         )
         for layer in range(6)

@@ -27,10 +27,12 @@ struct Lighting {
 // Taps of the texture filter: footprints up to so many times as long as wide stay sharp.
 const MAXIMUM_TAPS = 8.0;
 
+// Pictures are half floats; what is beyond the largest would be infinite on some devices, and NaN after a blend.
+const LARGEST_HALF = 65504.0;
+
 // kind of an object
 const DIFFUSE = 0u;
 const MIRROR = 1u;
-const GLASS = 2u;
 
 struct Object {
     color: vec3f,
@@ -105,7 +107,7 @@ fn shade(point: SurfacePoint, direction: vec3f) -> vec3f {
     if object.texture_layer > 0u {
         color *= filtered_texel(point, object.texture_layer);
     }
-    return color;
+    return min(color, vec3f(LARGEST_HALF));
 }
 
 // What a ray sees that hits nothing; `spread` is the angle of a pixel, radians.
@@ -133,10 +135,7 @@ fn is_specular(number: u32) -> bool {
     return objects[number - 1u].kind != DIFFUSE;
 }
 
-// The front of a specular point where no method draws it: a mirror of the sky alone, a glass that lets it through.
+// The front of a mirror where no method draws it: the sky alone. Glass never gets here: whoever draws it draws it all.
 fn specular_stand_in(number: u32, normal: vec3f, direction: vec3f, spread: f32) -> vec3f {
-    if objects[number - 1u].kind == GLASS {
-        return objects[number - 1u].tint * sky_color(direction, spread);
-    }
     return mirror_reflectance(number, dot(normal, direction)) * sky_color(reflect(direction, normal), spread);
 }

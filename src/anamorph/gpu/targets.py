@@ -59,15 +59,16 @@ def make_target(
     samples: int = 1,
     textures: tuple[wgpu.GPUTexture, ...] | None = None,
     layer: int = 0,
+    depth: wgpu.GPUTextureView | None = None,
 ) -> Target:
-    """A target of `size` with its own textures, or with one layer of the given ones."""
+    """A target of `size` with its own textures, or with one layer of the given ones, and with its own depth or not."""
     own = tuple(make_texture(size, form) for form in formats) if textures is None else textures
     views = tuple(_layer_view(texture, layer) for texture in own)
     if samples == 1:
         attachments, resolved = views, (None,) * len(views)
     else:
         attachments, resolved = tuple(make_texture(size, form, samples).create_view() for form in formats), views
-    depth = make_texture(size, DEPTH_FORMAT, samples).create_view()
+    depth = make_texture(size, DEPTH_FORMAT, samples).create_view() if depth is None else depth
     return Target(size, own, attachments, resolved, depth, samples)
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from typing import Any
 
 from anamorph.frame import Frame, View
@@ -14,10 +14,14 @@ from anamorph.measure.timing import Timing, eye_path, time_in_turn
 from anamorph.methods import parse
 from anamorph.methods.protocol import Session
 from anamorph.scene.model import Scene
+from anamorph.scene.scenefile import DEFAULT_SIZE
 from anamorph.versions import versions
 
 COMPETITOR = "raytrace"
 """What every time is compared with, in the same run, on the same pixels and with the same shading."""
+
+PLAIN = "environment"
+"""Draws a scene that has no mirror as it is, one pass and nothing besides."""
 
 Progress = Callable[[int, int, str], None]
 """Told the steps done, their number, and what is being done now."""
@@ -51,6 +55,8 @@ class Comparison:
     truth_frame : Frame
     methods : tuple of MethodResult
         The competitor among them.
+    without_mirrors : Timing, optional
+        Of the scene without its specular meshes, timed in turn with the methods; None where no mesh is left.
     """
 
     scene: str
@@ -61,6 +67,7 @@ class Comparison:
     truth: str
     truth_frame: Frame
     methods: tuple[MethodResult, ...]
+    without_mirrors: Timing | None = None
 
     @property
     def competitor(self) -> MethodResult | None:
@@ -76,6 +83,7 @@ class Comparison:
             "versions": self.versions,
             "command": self.command,
             "truth": self.truth,
+            "without_mirrors_ms": asdict(self.without_mirrors) if self.without_mirrors else None,
             "methods": {
                 result.name: {
                     "frame_ms": asdict(result.timing),
@@ -99,7 +107,7 @@ class Comparison:
 def compare(
     scene: Scene,
     specs: Sequence[str],
-    size: tuple[int, int] = (1024, 768),
+    size: tuple[int, int] = DEFAULT_SIZE,
     truth: str = "raytrace",
     frames: int = 30,
     command: str = "",
@@ -145,8 +153,9 @@ def compare(
         step = len(names) + 1 + len(names) * done // rounds
         tell(step, total, f"frame times, round {done} of {rounds}")
 
-    timed = {name: sessions[name] for name in names}
-    timings = time_in_turn(timed, eye_path(scene.camera, frames), frames, tell_round)
+    # Under a name that no method has.
+    timed = {name: sessions[name] for name in names} | _without_mirrors(view)
+    timings = time_in_turn(timed, eye_path(scene, frames), frames, tell_round)
     return Comparison(
         scene=scene.name,
         size=size,
@@ -156,7 +165,17 @@ def compare(
         truth=truth,
         truth_frame=truth_frame,
         methods=tuple(MethodResult(name, *drawn[name], timings[name]) for name in names),
+        without_mirrors=timings.get(""),
     )
+
+
+def _without_mirrors(view: View) -> dict[str, Session]:
+    """A session that draws the view without its specular meshes, or none where no mesh is left."""
+    left = replace(view.scene, meshes=tuple(mesh for mesh in view.scene.meshes if not mesh.specular))
+    if not left.meshes:
+        return {}
+    method, options = parse(PLAIN)
+    return {"": method.open(replace(view, scene=left), options)}
 
 
 def _frame(session: Session, view: View) -> Frame:

@@ -44,6 +44,12 @@ def speed(comparison: Comparison, result: MethodResult) -> str:
     return NOTHING if competitor is None else number(competitor.timing.median / result.timing.median)
 
 
+def times_without_mirrors(comparison: Comparison, result: MethodResult) -> str:
+    """How many times as long as the same frame without its specular meshes, in the same run."""
+    plain = comparison.without_mirrors
+    return NOTHING if plain is None else number(result.timing.median / plain.median)
+
+
 ROWS = (
     Row("frame time: median", "ms", lambda _, result: number(result.timing.median)),
     Row(
@@ -52,6 +58,7 @@ ROWS = (
         lambda _, result: f"{number(result.timing.min)} to {number(result.timing.max)}",
     ),
     Row(f"as fast as {COMPETITOR}", "times", speed),
+    Row("the frame without mirrors", "times", times_without_mirrors),
     Row("angular error: median", "mrad", lambda _, result: number(result.errors.angular_mrad.median)),
     Row("angular error: 95th percentile", "mrad", lambda _, result: number(result.errors.angular_mrad.p95)),
     Row("angular error: maximum", "mrad", lambda _, result: number(result.errors.angular_mrad.max)),

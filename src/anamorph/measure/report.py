@@ -31,6 +31,7 @@ def report_page(comparison: Comparison) -> str:
         head=_head(comparison),
         rows=_rows(comparison),
         frames=max((result.timing.n for result in comparison.methods), default=0),
+        plain=_plain(comparison),
         sections="\n".join(_section(comparison, result) for result in drawn),
         pictures="\n".join(_whole_pictures(comparison, drawn)),
         versions="\n".join(f"<dt>{escape(n)}</dt><dd>{escape(v)}</dd>" for n, v in comparison.versions.items()),
@@ -59,6 +60,13 @@ def _rows(comparison: Comparison) -> str:
         cells = "".join(f"<td>{escape(row.cell(comparison, result))}</td>" for result in comparison.methods)
         rows.append(f'<tr><th scope="row">{escape(row.label)} <small>{escape(row.unit)}</small></th>{cells}</tr>')
     return "\n".join(rows)
+
+
+def _plain(comparison: Comparison) -> str:
+    plain = comparison.without_mirrors
+    if plain is None:
+        return "Without its mirrors nothing is left of the scene."
+    return f"The frame without mirrors takes its turn with them: {number(plain.median)} ms."
 
 
 def _section(comparison: Comparison, result: MethodResult) -> str:

@@ -7,16 +7,18 @@ from rich.table import Table
 from rich.text import Text
 
 from anamorph.measure.compare import Comparison
-from anamorph.measure.figures import ROWS
+from anamorph.measure.figures import ROWS, number
 
 
 def comparison_table(comparison: Comparison) -> Table:
     """Measures as rows, methods as columns."""
     width, height = comparison.size
     frames = max((result.timing.n for result in comparison.methods), default=0)
+    plain = comparison.without_mirrors
+    alone = "" if plain is None else f", {number(plain.median)} ms without mirrors"
     table = Table(
         title=Text(f"{comparison.scene}, {width} x {height}, against {comparison.truth}"),
-        caption=Text(f"{comparison.adapter}; frame times over {frames} frames, the eye moving"),
+        caption=Text(f"{comparison.adapter}; frame times over {frames} frames, the eye moving{alone}"),
         title_justify="left",
         caption_justify="left",
     )

@@ -11,12 +11,13 @@ import numpy as np
 
 from anamorph.methods.protocol import Session
 from anamorph.scene.camera import Camera
+from anamorph.scene.model import Scene
 
 WARM_UP = 3
 """Frames that are drawn but not counted: shaders are compiled at their first use."""
 
 ORBIT = 0.005
-"""Radius of the eye's path, relative to its distance from the target: 4 mm at 0.8 m."""
+"""Radius of the eye's path, relative to its distance from the nearest mirror: 4 mm at 0.8 m."""
 
 
 @dataclass(frozen=True)
@@ -29,14 +30,22 @@ class Timing:
     n: int
 
 
-def eye_path(camera: Camera, n: int) -> list[Camera]:
-    """`n` cameras with the same target, whose eyes go round a small circle about that of `camera`, in its plane."""
+def eye_path(scene: Scene, n: int) -> list[Camera]:
+    """`n` cameras with the scene's target, whose eyes go round a small circle about its own, in the picture's plane."""
+    camera = scene.camera
     right, up, _ = camera.axes()
-    radius = ORBIT * np.linalg.norm(np.subtract(camera.target, camera.position))
+    radius = ORBIT * _eye_distance(scene)
     turns = 2.0 * np.pi * np.arange(n) / n
     offsets = radius * (np.cos(turns)[:, None] * right + np.sin(turns)[:, None] * up)
     x, y, z = camera.position
     return [replace(camera, position=(x + float(dx), y + float(dy), z + float(dz))) for dx, dy, dz in offsets]
+
+
+def _eye_distance(scene: Scene) -> float:
+    """From the eye to the nearest vertex of a specular mesh, or to the target where there is none."""
+    places = [mesh.positions for mesh in scene.meshes if mesh.specular] or [np.array([scene.camera.target])]
+    offsets = np.concatenate(places).astype(float) - scene.camera.position
+    return float(np.linalg.norm(offsets, axis=1).min())
 
 
 def time_frames(session: Session, cameras: Sequence[Camera], minimum: int = 30) -> Timing:

@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import dataclasses
-import difflib
 from typing import Any
 
-from anamorph.errors import AnamorphError
+from anamorph.errors import AnamorphError, nearest
 from anamorph.methods import environment, pervertex, raytrace
 from anamorph.methods.protocol import Method, Session
 
@@ -51,9 +50,7 @@ def make_options(method: Method, given: dict[str, Any]) -> Any:
 def _method(name: str) -> Method:
     if name in METHODS:
         return METHODS[name]
-    near = difflib.get_close_matches(name, METHODS, n=1)
-    hint = f"; did you mean {near[0]}?" if near else ""
-    raise AnamorphError(f"no method {name!r}: methods are {', '.join(METHODS)}{hint}")
+    raise AnamorphError(f"no method {name!r}: methods are {', '.join(METHODS)}{nearest(name, METHODS)}")
 
 
 def _convert(method: str, key: str, value: Any, default: Any) -> Any:

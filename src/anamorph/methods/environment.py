@@ -6,7 +6,9 @@ alone: the scene drawn once more from the mirrored eye.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cache, cached_property
 
 import numpy as np
 import wgpu
@@ -17,7 +19,7 @@ from anamorph.gpu.bindings import SAMPLER, STORAGE, bind, layout_of, texture
 from anamorph.gpu.buffers import storage_buffer
 from anamorph.gpu.drawing import draw_mesh, make_pipeline, shader_module
 from anamorph.gpu.maps import make_cube, map_sampler
-from anamorph.gpu.targets import COLOR_FORMAT, SEEN_FORMATS, Target
+from anamorph.gpu.targets import COLOR_FORMAT, MAP_FORMATS, SEEN_FORMATS, Target, make_texture
 from anamorph.methods.pervertex import Options as PerVertexOptions
 from anamorph.methods.pervertex import PerVertexDrawing
 from anamorph.methods.protocol import Method, Session
@@ -30,6 +32,9 @@ from anamorph.scene.model import Scene
 
 DEFAULT_FACE, MAXIMUM_FACE = 1024, 4096
 """Texels along an edge that a cube map takes at most by itself, and when asked."""
+
+MARGIN = np.radians(3.0)
+"""How far the directions at normals between the vertices may stray beyond those at the vertices."""
 
 FACES = (
     ((0, 0, -1), (0, 1, 0), (1, 0, 0)),
@@ -88,7 +93,7 @@ def faces_needed(rays: RayMesh) -> list[int]:
     directions = rays.unit_directions()
     edges = np.concatenate([rays.faces[:, [0, 1]], rays.faces[:, [1, 2]], rays.faces[:, [2, 0]]])
     spread = np.linalg.norm(directions[edges[:, 0]] - directions[edges[:, 1]], axis=1).max(initial=0.0)
-    reach = np.pi / 4.0 + spread
+    reach = np.pi / 4.0 + spread + MARGIN
     if reach >= np.pi / 2.0:
         return list(range(6))
     needed = []
@@ -106,6 +111,11 @@ def reflectors(scene: Scene) -> list[tuple[int, ...]]:
         if mesh.specular:
             groups.setdefault(mesh.name.split("/")[0], []).append(index)
     return [tuple(group) for group in groups.values()]
+
+
+@cache
+def _stand_in() -> wgpu.GPUTexture:
+    return make_texture((1, 1), MAP_FORMATS[0])
 
 
 class _CubeReflector:
@@ -129,9 +139,16 @@ class _CubeReflector:
             storage_buffer(uniforms),
             self.maps[0].color.textures[0].create_view(dimension="cube"),
             map_sampler(),
-            self.maps[0].depth.textures[0].create_view(dimension="2d-array"),
         ]
-        self.group = bind(layout, resources)
+        # Colours need no depths, which take twice their memory: until they are asked for, one texel stands in.
+        self.group = bind(layout, [*resources, _stand_in().create_view(dimension="2d-array")])
+        self._layout, self._resources = layout, resources
+
+    @cached_property
+    def seen_group(self) -> wgpu.GPUBindGroup:
+        """Its maps with their depths, which are made now."""
+        depth = self.maps[0].depth().textures[0].create_view(dimension="2d-array")
+        return bind(self._layout, [*self._resources, depth])
 
     def rays(self, camera: Camera, size: tuple[int, int]) -> list[RayMesh]:
         """The ray mesh of each of its meshes."""
@@ -184,16 +201,21 @@ class CubeDrawing:
 
     def draw_color(self, render_pass: wgpu.GPURenderPassEncoder) -> None:
         """The mirrors, with their cube maps."""
-        self._draw(render_pass, self._color)
+        self._draw(render_pass, self._color, [item.group for item in self._reflectors])
 
     def draw_seen(self, render_pass: wgpu.GPURenderPassEncoder) -> None:
         """The mirrors' seen buffers."""
-        self._draw(render_pass, self._seen)
+        self._draw(render_pass, self._seen, [item.seen_group for item in self._reflectors])
 
-    def _draw(self, render_pass: wgpu.GPURenderPassEncoder, pipeline: wgpu.GPURenderPipeline) -> None:
+    def _draw(
+        self,
+        render_pass: wgpu.GPURenderPassEncoder,
+        pipeline: wgpu.GPURenderPipeline,
+        groups: Sequence[wgpu.GPUBindGroup],
+    ) -> None:
         render_pass.set_pipeline(pipeline)
-        for item in self._reflectors:
-            render_pass.set_bind_group(2, item.group)
+        for item, group in zip(self._reflectors, groups, strict=True):
+            render_pass.set_bind_group(2, group)
             for index in item.indices:
                 draw_mesh(render_pass, self._stage.buffers, index)
 
@@ -226,6 +248,10 @@ def open_session(view: View, options: Options) -> Session:
         raise AnamorphError(
             f"environment: face is {options.face}; give a number of texels from 1 to {MAXIMUM_FACE}, or 0"
         )
+    if options.mode == "planar":
+        for name in ("update", "face"):
+            if getattr(options, name) != getattr(Options, name):
+                raise AnamorphError(f"environment: {name} is for cube maps; leave it out, or give mode=cube")
     stage = Stage(view)
     if options.mode == "planar":
         _check_flat(view)

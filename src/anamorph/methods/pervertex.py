@@ -110,7 +110,7 @@ class _WarpedReflector:
                 self.map.projection.buffer,
                 self.map.color.textures[0].create_view(),
                 map_sampler(),
-                self.map.depth.textures[0].create_view(),
+                self.map.depth().textures[0].create_view(),
                 *self._mesh,
             ]
             self.group = bind(self._layout, resources)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Protocol
 
 import numpy as np
@@ -63,6 +64,9 @@ class Stage:
     """What a method draws on: the scene on the device and the eye's projection."""
 
     def __init__(self, view: View) -> None:
+        sides = view.size if isinstance(view.size, Sequence | np.ndarray) else ()
+        if len(sides) != 2 or not all(isinstance(side, int | np.integer) for side in sides):
+            raise AnamorphError(f"size is {view.size}; give two whole numbers of pixels, like (1024, 768)")
         if min(view.size) < 1 or max(view.size) > maximum_size():
             width, height = view.size
             raise AnamorphError(f"size {width}x{height}: give a width and height from 1 to {maximum_size()}")

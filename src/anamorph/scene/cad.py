@@ -17,8 +17,8 @@ from pathlib import Path
 
 import numpy as np
 
-from anamorph.errors import AnamorphError
-from anamorph.scene.files import nearest, read
+from anamorph.errors import AnamorphError, nearest
+from anamorph.scene.files import read
 from anamorph.scene.model import Diffuse, Material, Mesh
 from anamorph.scene.normals import has_area
 from anamorph.scene.nurbs import NurbsSurface

@@ -31,6 +31,13 @@ MOST_MESHES = 0xFFFF
 """The seen buffers hold an object's number in 16 bits."""
 
 
+FARTHEST = 1e9
+"""Metres: what is farther out is a mistake, and its square soon more than float32 holds."""
+
+SMALLEST_SHARE = 1e-5
+"""A mesh smaller than this share of its coordinates has fewer than 200 float32 steps across."""
+
+
 def check_scene(scene: Scene) -> Scene:
     """The scene without its degenerate triangles; raises AnamorphError for what cannot be drawn."""
     if not scene.meshes:
@@ -68,16 +75,40 @@ def check_triangles(where: str, positions: np.ndarray, faces: np.ndarray) -> Non
 def check_camera(camera: Camera, where: str) -> None:
     """An eye that looks somewhere, with its head not along its view."""
     for name in ("position", "target", "up"):
-        if np.shape(getattr(camera, name)) != (3,) or not np.isfinite(getattr(camera, name)).all():
-            raise AnamorphError(f"{where}: {name} is {getattr(camera, name)}; give three finite numbers")
+        value = getattr(camera, name)
+        if not _are_numbers(value, (3,)):
+            raise AnamorphError(f"{where}: {name} is {value}; give three finite numbers")
+        if np.abs(value).max() > FARTHEST:
+            raise AnamorphError(f"{where}: {name} is {value}; give no number beyond {FARTHEST:.0e}")
     forward = np.subtract(camera.target, camera.position)
     if not forward.any():
         raise AnamorphError(f"{where}: position and target are the same point; move one of them")
     across = np.linalg.norm(np.cross(forward, camera.up))
     if across <= 1e-9 * np.linalg.norm(forward) * np.linalg.norm(camera.up):
         raise AnamorphError(f"{where}: up is {camera.up}, along the view; give another direction")
-    if not 0.0 < camera.field_of_view < 180.0:
+    if not _are_numbers(camera.field_of_view) or not 0.0 < camera.field_of_view < 180.0:
         raise AnamorphError(f"{where}: field_of_view is {camera.field_of_view}; give degrees between 0 and 180")
+
+
+def _are_numbers(values: object, shape: tuple[int, ...] = ()) -> bool:
+    """Whether these are finite numbers, not text, in an array of the shape."""
+    try:
+        array = np.asarray(values)
+    except ValueError:
+        return False
+    return array.shape == shape and array.dtype.kind in "iuf" and bool(np.isfinite(array).all())
+
+
+def _check_place(where: str, positions: np.ndarray) -> None:
+    """Near enough to the origin for float32."""
+    farthest, extent = float(np.abs(positions).max()), float(np.ptp(np.asarray(positions, float), axis=0).max())
+    if farthest > FARTHEST:
+        raise AnamorphError(f"{where}: has a coordinate of {farthest:.3g}; scale it to metres, within {FARTHEST:.0e}")
+    if extent < SMALLEST_SHARE * farthest:
+        raise AnamorphError(
+            f"{where}: is {extent:.3g} m large and {farthest:.3g} m from the origin, too far for float32; "
+            "translate everything to the origin, or remove the part"
+        )
 
 
 def _checked(mesh: Mesh) -> Mesh:
@@ -88,12 +119,18 @@ def _checked(mesh: Mesh) -> Mesh:
     if not np.issubdtype(np.asarray(mesh.faces).dtype, np.integer):
         raise AnamorphError(f"{where}: faces are {np.asarray(mesh.faces).dtype}; give integers")
     check_triangles(where, mesh.positions, mesh.faces)
+    _check_place(where, mesh.positions)
     for name, width in (("normals", 3), ("texcoords", 2), ("colors", 3), ("parameters", 2)):
         values = getattr(mesh, name)
         if values is not None:
             _check_shape(where, name, values, (count, width))
             if not np.isfinite(values).all():
                 raise AnamorphError(f"{where}: {name} have NaN or infinite numbers; mend the model")
+    if mesh.colors is not None and (np.min(mesh.colors) < 0.0 or np.max(mesh.colors) > 1.0):
+        raise AnamorphError(
+            f"{where}: colors go from {np.min(mesh.colors):.3g} to {np.max(mesh.colors):.3g}; give linear numbers "
+            "from 0 to 1, and what is brighter to the material's color"
+        )
     kept = has_area(mesh.positions, mesh.faces)
     if not kept.any():
         raise AnamorphError(f"{where}: all its triangles are degenerate (points or lines); remove the part")
@@ -113,7 +150,7 @@ def _check_shape(where: str, name: str, values: np.ndarray, shape: tuple[int, in
 
 
 def _check_color(where: str, name: str, color: object) -> None:
-    if np.shape(color) != (3,) or not np.isfinite(color).all() or np.min(color) < 0:  # type: ignore[call-overload]
+    if not _are_numbers(color, (3,)) or np.min(color) < 0:  # type: ignore[call-overload]
         raise AnamorphError(f"{where}: {name} is {color}; give three finite numbers, none below 0")
 
 
@@ -134,11 +171,11 @@ def _check_material(mesh: Mesh, where: str) -> None:
         case Mirror(tint=tint, reflectance=reflectance, back=back):
             _check_color(where, "tint", tint)
             _check_color(where, "back", back)
-            if not 0.0 <= reflectance <= 1.0:
+            if not _are_numbers(reflectance) or not 0.0 <= reflectance <= 1.0:
                 raise AnamorphError(f"{where}: reflectance is {reflectance}; give a number from 0 to 1")
         case Glass(index=index, tint=tint, abbe=abbe):
             _check_color(where, "tint", tint)
-            if not (np.isfinite(index) and index > 0):
+            if not _are_numbers(index) or index <= 0:
                 raise AnamorphError(f"{where}: index is {index}; give a positive refractive index, 1.5 for glass")
             if abbe is not None and not (np.isfinite(abbe) and abbe > 0):
                 raise AnamorphError(f"{where}: abbe is {abbe}; give a positive Abbe number, 58 for plastic")
@@ -147,11 +184,11 @@ def _check_material(mesh: Mesh, where: str) -> None:
 def _check_light(light: Light, where: str) -> None:
     match light:
         case DirectionalLight(toward=toward, color=color):
-            if not np.isfinite(toward).all() or not np.any(toward):
+            if not _are_numbers(toward, (3,)) or not np.any(toward):
                 raise AnamorphError(f"{where}: toward is {toward}; give a direction, three finite numbers not all 0")
             _check_color(where, "color", color)
         case PointLight(position=position, color=color):
-            if not np.isfinite(position).all():
+            if not _are_numbers(position, (3,)) or np.abs(position).max() > FARTHEST:
                 raise AnamorphError(f"{where}: position is {position}; give three finite numbers")
             _check_color(where, "color", color)
         case AmbientLight(sky=sky, ground=ground):

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import difflib
 import io
-from collections.abc import Iterable
 from pathlib import Path
 from urllib.parse import unquote
 
@@ -16,12 +14,6 @@ from anamorph.errors import AnamorphError
 from anamorph.scene.model import Texture
 
 IMAGES = (".png", ".jpg", ".jpeg", ".bmp", ".gif", ".tga", ".tif", ".tiff", ".webp")
-
-
-def nearest(word: str, known: Iterable[str]) -> str:
-    """'; did you mean ...?' with the known word nearest to `word`, or nothing."""
-    found = difflib.get_close_matches(word.lower(), {name.lower(): name for name in known}, n=1, cutoff=0.5)
-    return f"; did you mean '{found[0]}'?" if found else ""
 
 
 def read(path: Path, what: str) -> bytes:

@@ -18,10 +18,10 @@ from typing import Any
 import numpy as np
 import trimesh
 
-from anamorph.errors import AnamorphError
+from anamorph.errors import AnamorphError, nearest
 from anamorph.scene import cad
 from anamorph.scene.checks import check_triangles
-from anamorph.scene.files import Folder, as_utf8, nearest, read
+from anamorph.scene.files import Folder, as_utf8, read
 from anamorph.scene.gltf import Gltf, read_gltf
 from anamorph.scene.looks import look
 from anamorph.scene.model import Mesh, Texture
@@ -30,6 +30,9 @@ from anamorph.scene.transform import Similarity, transform
 
 UNNAMED = re.compile(r"^geometry(_\d+)?$")
 """What trimesh calls a mesh that has no name."""
+
+FAR = 1e-3
+"""A model smaller than this share of its coordinates is far from the origin."""
 
 SUFFIXES = (".glb", ".gltf", ".obj", ".stl", ".ply", *cad.SUFFIXES)
 
@@ -57,8 +60,14 @@ def load_model(path: str | Path, scale: float = 1.0, choice: cad.FaceChoice | No
     return tuple(part.mesh for part in load_parts(path, scale, choice))
 
 
-def load_parts(path: str | Path, scale: float = 1.0, choice: cad.FaceChoice | None = None) -> tuple[Part, ...]:
-    """Like `load_model`, with the materials' names."""
+def load_parts(
+    path: str | Path, scale: float = 1.0, choice: cad.FaceChoice | None = None, near: bool = False
+) -> tuple[Part, ...]:
+    """Like `load_model`, with the materials' names.
+
+    With `near`, a model that lies so far from the origin that float32 would blur it is moved there: one whose
+    extent is below a thousandth of its coordinates, as of a building in map coordinates.
+    """
     path = Path(path)
     suffix = path.suffix.lower()
     if suffix not in SUFFIXES:
@@ -76,14 +85,28 @@ def load_parts(path: str | Path, scale: float = 1.0, choice: cad.FaceChoice | No
     gltf = read_gltf(data, path) if suffix in (".glb", ".gltf") else None
     scene = _parse(gltf.data if gltf else data, path)
     textures: dict[int, Texture] = {}
+    placed = [(name, geometry, scale * matrix) for name, geometry, matrix in _placed(scene, path, gltf)]
+    away = _far_middle([(geometry, matrix) for _, geometry, matrix in placed]) if near else np.zeros(3)
     parts = [
-        _part(path, name, geometry, scale * matrix, gltf, textures)
-        for name, geometry, matrix in _placed(scene, path, gltf)
+        _part(path, name, geometry, trimesh.transformations.translation_matrix(-away) @ matrix, gltf, textures)
+        for name, geometry, matrix in placed
     ]
     kept = [part for part in parts if part is not None]
     if not kept:
         raise AnamorphError(f"{path}: has no triangles with an area; give a model with faces, not points or lines")
     return uniquely_named(kept)
+
+
+def _far_middle(placed: list[tuple[Any, np.ndarray]]) -> np.ndarray:
+    """The middle of all vertices, float64, where they are far from the origin; else the origin."""
+    with np.errstate(all="ignore"):
+        points = [
+            np.asarray(geometry.vertices, float) @ matrix[:3, :3].T + matrix[:3, 3] for geometry, matrix in placed
+        ]
+        ends = np.concatenate([*points, np.zeros((0, 3))])
+        low, high = ends.min(axis=0, initial=np.inf), ends.max(axis=0, initial=-np.inf)
+        far = np.isfinite(low + high).all() and np.max(high - low) < FAR * np.max(np.abs([low, high]))
+    return (low + high) / 2.0 if far else np.zeros(3)
 
 
 def _in_utf8(data: bytes, suffix: str) -> bytes:

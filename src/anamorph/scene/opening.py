@@ -4,13 +4,12 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from anamorph.errors import AnamorphError
+from anamorph.errors import AnamorphError, nearest
 from anamorph.scene import builtin, cad
 from anamorph.scene.cad import FaceChoice, chosen_faces
 from anamorph.scene.checks import check_scene
-from anamorph.scene.files import nearest
 from anamorph.scene.framing import stand_before_mirror
-from anamorph.scene.load import SUFFIXES, load_model
+from anamorph.scene.load import SUFFIXES, load_parts
 from anamorph.scene.model import Scene
 from anamorph.scene.placing import replace_mirror
 from anamorph.scene.scenefile import Settings, load_scene_file
@@ -46,7 +45,8 @@ def open_scene(
     if suffix == ".toml":
         return load_scene_file(path)
     if suffix in SUFFIXES or path.is_file():
-        return check_scene(stand_before_mirror(load_model(path, choice=choice), path.stem)), Settings()
+        meshes = tuple(part.mesh for part in load_parts(path, choice=choice, near=True))
+        return check_scene(stand_before_mirror(meshes, path.stem)), Settings()
     known = builtin.names()
     raise AnamorphError(
         f"'{source}' is no scene{nearest(str(source), known)} (built in: {', '.join(known)}); "

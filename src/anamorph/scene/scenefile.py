@@ -9,12 +9,12 @@ from pathlib import Path
 
 import numpy as np
 
-from anamorph.errors import AnamorphError
+from anamorph.errors import AnamorphError, nearest
 from anamorph.scene import builtin
 from anamorph.scene.cad import FaceChoice
 from anamorph.scene.camera import Camera
 from anamorph.scene.checks import check_scene
-from anamorph.scene.files import nearest, read_texture
+from anamorph.scene.files import read_texture
 from anamorph.scene.load import Part, load_parts, uniquely_named
 from anamorph.scene.model import (
     DEFAULT_LIGHTS,
@@ -36,6 +36,9 @@ from anamorph.scene.transform import Similarity, rotation, transform
 TRANSFORM = ("scale", "rotate", "translate")
 LIGHTS = ("directional", "point", "ambient")
 
+DEFAULT_SIZE = (1024, 768)
+"""Width and height of a picture, pixels, unless someone says otherwise."""
+
 
 @dataclass(frozen=True)
 class Settings:
@@ -49,7 +52,7 @@ class Settings:
         NAME[:option=value,...], as after -m on the command line.
     """
 
-    size: tuple[int, int] = (1024, 768)
+    size: tuple[int, int] = DEFAULT_SIZE
     method: str = "pervertex"
 
 

@@ -10,8 +10,8 @@ from typing import Any, NoReturn
 
 import numpy as np
 
-from anamorph.errors import AnamorphError
-from anamorph.scene.files import nearest, read
+from anamorph.errors import AnamorphError, nearest
+from anamorph.scene.files import read
 from anamorph.scene.key_lines import Keys, key_lines
 
 Vector = tuple[float, float, float]

@@ -152,6 +152,12 @@ def map_pipelines(mirrored: bool = False) -> ScenePipelines:
     return _scene_pipelines("scene_depth", "scene_depth", "sky_depth", MAP_FORMATS, mirrored=mirrored)
 
 
+def bind_scene(render_pass: wgpu.GPURenderPassEncoder, buffers: SceneBuffers, projection: ProjectionUniform) -> None:
+    """Bind shading and projection: groups 0 and 1."""
+    render_pass.set_bind_group(0, buffers.shading)
+    render_pass.set_bind_group(1, projection.group)
+
+
 def draw_scene(
     render_pass: wgpu.GPURenderPassEncoder,
     pipelines: ScenePipelines,
@@ -164,8 +170,7 @@ def draw_scene(
 
     `replaced` are the mirrors whose fronts a method draws itself, `absent` those not to be drawn at all.
     """
-    render_pass.set_bind_group(0, buffers.shading)
-    render_pass.set_bind_group(1, projection.group)
+    bind_scene(render_pass, buffers, projection)
     render_pass.set_vertex_buffer(0, buffers.vertices)
     render_pass.set_index_buffer(buffers.indices, "uint32")
     diffuse = visible_ranges(len(buffers.first_face) - 1, buffers.specular)

@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from anamorph.compiled import compiled
+from anamorph.compiled import compiled, inlined
 from anamorph.frame import Status
 from anamorph.optics.exact import BEZIER, NONE, NURBS, PLANE, along, cross, dot, meet, unit
 from anamorph.scene.camera import Vector
@@ -130,12 +130,12 @@ def start(
         paths.specular[i], paths.bounces[i], paths.left[i], paths.skin[i] = 0, 0, 0, 0.0
 
 
-@compiled
+@inlined
 def _corner(positions: np.ndarray, vertex: int) -> Vector:
     return (np.float64(positions[vertex, 0]), np.float64(positions[vertex, 1]), np.float64(positions[vertex, 2]))
 
 
-@compiled
+@inlined
 def _blend(values: np.ndarray, face: np.ndarray, weights: Vector) -> Vector:
     """Values (V, 3) at the three vertices of `face`, weighted."""
     total = (0.0, 0.0, 0.0)
@@ -144,7 +144,7 @@ def _blend(values: np.ndarray, face: np.ndarray, weights: Vector) -> Vector:
     return total
 
 
-@compiled
+@inlined
 def _finish(records: np.ndarray, words: np.ndarray, paths: Paths, i: int, limited: bool) -> None:
     """Write the record of path i, whose last ray has been cast."""
     record = paths.pixel[i]
@@ -187,7 +187,7 @@ def _glass(direction: Vector, normal: Vector, eta: float) -> tuple[Vector, float
     return along(scaled, -transmitted, normal), 1.0 - 0.5 * (across * across + parallel * parallel), True
 
 
-@compiled
+@inlined
 def _surface_normal(
     world: World,
     item: int,
@@ -222,7 +222,7 @@ def _surface_normal(
     return distance, unit((side * normal[0], side * normal[1], side * normal[2])), False
 
 
-@compiled
+@inlined
 def _bend(
     world: World,
     item: int,
@@ -281,7 +281,7 @@ def _bend(
     return along(origin, distance, direction), bent, share, crosses
 
 
-@compiled
+@inlined
 def _outside(world: World, face: np.ndarray, direction: Vector) -> tuple[bool, float]:
     """Whether a ray hits a triangle's front, and the length of its longest edge."""
     a, b, c = _corner(world.positions, face[0]), _corner(world.positions, face[1]), _corner(world.positions, face[2])

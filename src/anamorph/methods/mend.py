@@ -6,7 +6,7 @@ import numpy as np
 import wgpu
 
 from anamorph.gpu.device import get_device
-from anamorph.gpu.drawing import ProjectionUniform, submit
+from anamorph.gpu.drawing import ProjectionUniform, bind_scene, submit
 from anamorph.gpu.targets import Target, begin_pass
 from anamorph.methods.paths import PathTracer
 from anamorph.methods.session import Stage
@@ -53,8 +53,7 @@ class Mender:
         """Draw the traced tiles over the picture in `target`."""
         encoder = get_device().create_command_encoder()
         render_pass = begin_pass(encoder, target, clear=False)
-        render_pass.set_bind_group(0, self._stage.buffers.shading)
-        render_pass.set_bind_group(1, projection.group)
+        bind_scene(render_pass, self._stage.buffers, projection)
         for batch in self._batches[: self._used]:
             batch.draw_color(render_pass)
         render_pass.end()

@@ -17,7 +17,7 @@ from anamorph.frame import View
 from anamorph.gpu.bindings import SAMPLER, STORAGE, UNIFORM, bind, layout_of, texture
 from anamorph.gpu.buffers import storage_buffer
 from anamorph.gpu.device import get_device, maximum_size
-from anamorph.gpu.drawing import make_pipeline, shader_module, submit
+from anamorph.gpu.drawing import bind_scene, make_pipeline, shader_module, submit
 from anamorph.gpu.maps import Map, make_map, map_sampler
 from anamorph.gpu.overlay import Overlay
 from anamorph.gpu.targets import COLOR_FORMAT, SEEN_FORMATS, Target, begin_pass, make_texture, read_texture
@@ -192,8 +192,7 @@ class PerVertexDrawing:
         encoder = get_device().create_command_encoder()
         errors = replace(target, textures=(self._errors,), attachments=(self._errors_view,))
         render_pass = begin_pass(encoder, errors, keep_depth=True)
-        render_pass.set_bind_group(0, self._stage.buffers.shading)
-        render_pass.set_bind_group(1, self._stage.projection.group)
+        bind_scene(render_pass, self._stage.buffers, self._stage.projection)
         self._draw(render_pass, self._error)
         render_pass.end()
         submit(encoder)

@@ -28,13 +28,14 @@ struct TileFragment {
     @location(0) @interpolate(flat) tile: u32,
 }
 
+// Nearest of all: what is drawn after it leaves a tile alone.
 @vertex
 fn tile_vertex(@builtin(vertex_index) index: u32, @builtin(instance_index) tile: u32) -> TileFragment {
     var quad = array<vec2u, 6>(
         vec2u(0u, 0u), vec2u(1u, 0u), vec2u(1u, 1u), vec2u(0u, 0u), vec2u(1u, 1u), vec2u(0u, 1u)
     );
     let place = vec2f(corners[tile] + quad[index] * tile_size) / projection.size.xy;
-    return TileFragment(vec4f(place * vec2f(2.0, -2.0) + vec2f(-1.0, 1.0), 0.0, 1.0), tile);
+    return TileFragment(vec4f(place * vec2f(2.0, -2.0) + vec2f(-1.0, 1.0), 1.0, 1.0), tile);
 }
 
 struct Triangle {

@@ -14,6 +14,7 @@ from anamorph.gpu.buffers import SceneBuffers, upload_scene
 from anamorph.gpu.device import get_device, maximum_size
 from anamorph.gpu.drawing import (
     ProjectionUniform,
+    bind_scene,
     color_pipelines,
     draw_scene,
     projection_uniform,
@@ -40,7 +41,7 @@ class SpecularDrawing(Protocol):
         ...
 
     def draw_color(self, render_pass: wgpu.GPURenderPassEncoder) -> None:
-        """Draw into the picture; the shading and projection groups are bound."""
+        """Draw into the picture before the scene, which is hidden behind it; shading and projection are bound."""
         ...
 
     def complete(self, target: Target, camera: Camera, shift: tuple[float, float]) -> None:
@@ -92,8 +93,10 @@ class DrawingSession:
         encoder = get_device().create_command_encoder()
         self._drawing.prepare(encoder, camera, shift)
         render_pass = begin_pass(encoder, self._target)
-        draw_scene(render_pass, self._pipelines, stage.buffers, stage.projection, self._drawing.replaced)
+        # What stands behind a mirror need not be shaded: the mirror comes first.
+        bind_scene(render_pass, stage.buffers, stage.projection)
         self._drawing.draw_color(render_pass)
+        draw_scene(render_pass, self._pipelines, stage.buffers, stage.projection, self._drawing.replaced)
         render_pass.end()
         submit(encoder)
         self._drawing.complete(self._target, camera, shift)
@@ -112,8 +115,9 @@ class DrawingSession:
         encoder = get_device().create_command_encoder()
         self._drawing.prepare_seen(encoder)
         render_pass = begin_pass(encoder, target)
-        draw_scene(render_pass, seen_pipelines(), stage.buffers, stage.projection, self._drawing.replaced)
+        bind_scene(render_pass, stage.buffers, stage.projection)
         self._drawing.draw_seen(render_pass)
+        draw_scene(render_pass, seen_pipelines(), stage.buffers, stage.projection, self._drawing.replaced)
         render_pass.end()
         submit(encoder)
         point, flags, deviation = (read_texture(texture) for texture in target.textures)

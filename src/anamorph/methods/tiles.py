@@ -36,7 +36,6 @@ class Tiles:
                 buffers=(),
                 groups=(self._layout,),
                 depth_compare="always",
-                depth_write=False,
             )
 
         self._color = pipeline("traced_color", (COLOR_FORMAT,))

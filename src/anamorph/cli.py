@@ -116,14 +116,16 @@ def _compare(arguments: argparse.Namespace) -> None:
     from anamorph.methods import METHODS, parse, with_option
     from anamorph.scene.opening import open_scene
 
-    specs = arguments.method or list(METHODS)
-    for number, spec in enumerate(specs):
-        method, _ = parse(spec)
-        if arguments.tolerance is not None and hasattr(method.options, "tolerance"):
-            specs[number] = with_option(spec, "tolerance", arguments.tolerance)
+    for spec in arguments.method or ():
+        parse(spec)
     with progress_bar(f"opening {arguments.scene}") as tell:
         scene, settings = open_scene(arguments.scene, _face_choice(arguments), arguments.mirror_of)
         size = arguments.size or settings.size
+        able = [name for name, method in METHODS.items() if method.refracts or not scene.refracts]
+        specs = arguments.method or able
+        for number, spec in enumerate(specs):
+            if arguments.tolerance is not None and hasattr(parse(spec)[0].options, "tolerance"):
+                specs[number] = with_option(spec, "tolerance", arguments.tolerance)
         comparison = compare(scene, specs, size, command=arguments.command_line, progress=tell)
     if arguments.json:
         save_text(arguments.json, comparison.to_json())

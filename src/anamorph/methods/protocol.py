@@ -45,6 +45,8 @@ class Method:
         A frozen dataclass whose fields have defaults and are bool, int, float or str.
     open : callable
         (View, options) -> Session.
+    refracts : bool
+        Whether it draws scenes with glass.
     """
 
     name: str
@@ -52,3 +54,4 @@ class Method:
     source: str
     options: type
     open: Callable[[View, Any], Session]
+    refracts: bool = False

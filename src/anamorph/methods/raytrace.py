@@ -123,4 +123,5 @@ METHOD = Method(
     source="Whitted 1980; Embree",
     options=Options,
     open=open_session,
+    refracts=True,
 )

@@ -159,3 +159,8 @@ class Scene:
     camera: Camera
     lights: tuple[Light, ...] = DEFAULT_LIGHTS
     sky: Sky = field(default_factory=Sky)
+
+    @property
+    def refracts(self) -> bool:
+        """Whether some mesh is of glass."""
+        return any(isinstance(mesh.material, Glass) for mesh in self.meshes)

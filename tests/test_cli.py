@@ -302,3 +302,11 @@ def test_a_scene_with_glass_is_drawn_by_the_methods_that_can(tmp_path):
     quiet_success(run("render", "magnifier", "--size", "48x36", "-o", "lens.png", directory=tmp_path))
     quiet_success(run("compare", "magnifier", "--size", "48x36", "--json", "lens.json", directory=tmp_path))
     assert list(json.loads((tmp_path / "lens.json").read_text())["methods"]) == ["raytrace"]
+
+
+def test_a_picture_with_gaps_says_so_and_how_to_fill_them(tmp_path):
+    size = ("--size", "64x48", "-o", "a.png")
+    told = run("render", "spheres", *size, directory=tmp_path)
+    assert told.returncode == 0
+    assert told.stderr.count("\n") == 1 and "--tolerance" in told.stderr
+    quiet_success(run("render", "spheres", "--tolerance", "0.5", *size, directory=tmp_path))

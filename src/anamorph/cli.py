@@ -22,6 +22,9 @@ from anamorph.versions import versions
 if TYPE_CHECKING:
     from anamorph.scene.cad import FaceChoice
 
+NOTEWORTHY = 0.005
+"""The share of a picture's mirrors without an answer that a user is told of."""
+
 SEEN = ("position", "object_id", "specular", "status", "deviation")
 
 EXAMPLES = """examples:
@@ -99,10 +102,13 @@ def _render(arguments: argparse.Namespace) -> None:
         def drawn(done: int, total: int) -> None:
             tell(done, total, f"{what}, picture {done} of {total}" if total > 1 else what)
 
-        frame = draw_frame(view, specification, bool(arguments.seen), drawn)
+        frame = draw_frame(view, specification, True, drawn)
     frame.save(arguments.output)
     for name, path in arguments.seen:
         save_array(path, getattr(frame, name))
+    if frame.outside_share > NOTEWORTHY:
+        share = f"{100.0 * frame.outside_share:.0f}% of the mirrors' pixels"
+        print(f"anamorph: note: {share} got no reflection and show the sky; try --tolerance 0.5", file=sys.stderr)
 
 
 def _compare(arguments: argparse.Namespace) -> None:

@@ -205,6 +205,17 @@ def test_drawn_once_has_all_faces_for_an_eye_that_moves_later():
     assert (session.frame().color == drawn(scene, "environment:face=256", camera=moved).color).all()
 
 
+@pytest.mark.parametrize(("update", "frames_with_maps"), [("once", 1), ("always", 3)])
+def test_a_static_map_is_drawn_in_the_first_frame_alone(update, frames_with_maps, monkeypatch):
+    calls, counts, draw_color = [], [0], maps.Map.draw_color
+    monkeypatch.setattr(maps.Map, "draw_color", lambda *given: (calls.append(given), draw_color(*given))[1])
+    session = open_view(scene_with(spherical_mirror()), f"environment:update={update},face=64")
+    for _ in range(3):
+        session.draw(CAMERA)
+        counts.append(len(calls))
+    assert np.count_nonzero(np.diff(counts)) == frames_with_maps
+
+
 def test_meshes_of_one_reflector_share_a_map():
     upper, lower = (replace(spherical_mirror(), name=f"pot/{part}") for part in ("upper", "lower"))
     other = replace(flat_mirror(), name="pan")

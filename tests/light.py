@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import cast
+
 import numpy as np
 
 from anamorph.scene.lens_mesh import Lens, LensSurface
@@ -11,7 +13,7 @@ def surfaces(lens: Lens) -> tuple[LensSurface, LensSurface]:
     """Front and back."""
     front, back = lens.front.surface, lens.back.surface
     assert front is not None and back is not None
-    return front, back  # type: ignore[return-value]
+    return cast(LensSurface, front), cast(LensSurface, back)
 
 
 def meet(surface: LensSurface, origins: np.ndarray, directions: np.ndarray, low: float, high: float) -> np.ndarray:

@@ -24,7 +24,7 @@ from anamorph.measure.figures import ROWS, number, status_shares
 from anamorph.measure.heatmap import HIGHEST, LOWEST, VIRIDIS, heat_map, scale_colors
 from anamorph.measure.report import report_page, specular_box
 from anamorph.measure.table import print_table
-from anamorph.measure.timing import WARM_UP, Timing, eye_path, time_frames, time_in_turn
+from anamorph.measure.timing import WARM_UP, Timing, eye_path, time_in_turn
 from anamorph.methods.protocol import Method
 from anamorph.scene.camera import Camera
 from anamorph.scene.model import Scene
@@ -88,7 +88,7 @@ def test_the_eye_keeps_its_distance_from_the_mirror_however_far_its_target_is():
 
 def test_frames_are_drawn_and_waited_for_but_not_read():
     session = FakeSession(plane_truth())
-    timing = time_frames(session, eye_path(SCENE, 7), minimum=30)
+    timing = time_in_turn({"": session}, eye_path(SCENE, 7), minimum=30)[""]
     assert session.calls == ["draw", "wait"] * (30 + WARM_UP)
     assert all(first != second for first, second in zip(session.eyes, session.eyes[1:], strict=False))
     assert timing.n == 30

@@ -48,11 +48,6 @@ def _eye_distance(scene: Scene) -> float:
     return float(np.linalg.norm(offsets, axis=1).min())
 
 
-def time_frames(session: Session, cameras: Sequence[Camera], minimum: int = 30) -> Timing:
-    """Time at least `minimum` frames of one session, from each of the cameras in turn."""
-    return time_in_turn({"": session}, cameras, minimum)[""]
-
-
 def time_in_turn(
     sessions: Mapping[str, Session],
     cameras: Sequence[Camera],

@@ -67,8 +67,3 @@ def reflected_rays(mirror: Reflector, camera: Camera, size: tuple[int, int]) -> 
     status = np.where(away, np.uint8(RayStatus.BACK_FACING), np.uint8(RayStatus.OK))
     # Directions as long as the eye's distance are linear on a flat mirror, so that interpolating them is exact there.
     return RayMesh(picture, mirror.positions, reflect(offset, mirror.normals), mirror.faces, status)
-
-
-def reflected_ray_mesh(camera: Camera, size: tuple[int, int], mesh: Mesh) -> RayMesh:
-    """The ray mesh of a mirror mesh, for one frame; `reflector` and `reflected_rays` in one."""
-    return reflected_rays(reflector(mesh), camera, size)

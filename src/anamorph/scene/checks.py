@@ -150,7 +150,7 @@ def _check_shape(where: str, name: str, values: np.ndarray, shape: tuple[int, in
 
 
 def _check_color(where: str, name: str, color: object) -> None:
-    if not _are_numbers(color, (3,)) or np.min(color) < 0:  # type: ignore[call-overload]
+    if not _are_numbers(color, (3,)) or np.asarray(color, float).min() < 0:
         raise AnamorphError(f"{where}: {name} is {color}; give three finite numbers, none below 0")
 
 

@@ -183,14 +183,6 @@ def cylinder(radius: float, height: float, segments: int = 12) -> Shape:
     return lathe([(0, 0), (radius, 0), (radius, height), (0, height)], segments)
 
 
-def extrusion(outline: Sequence[tuple[float, float]], depth: float) -> Shape:
-    """A convex polygon of the xy plane, counter-clockwise, drawn out along z from 0 to `depth`."""
-    flat = np.hstack([np.asarray(outline, float), np.zeros((len(outline), 1))])
-    middle = np.broadcast_to(flat.mean(axis=0), flat.shape)
-    far = np.array([0.0, 0.0, depth])
-    return loft(np.stack([middle, flat, flat + far, middle + far]), crease=0.0)
-
-
 def globe(rows: int, columns: int) -> tuple[np.ndarray, np.ndarray]:
     """Angles (V, 2), longitude and latitude in radians, and faces (F, 3) of a whole sphere.
 

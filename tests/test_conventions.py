@@ -148,7 +148,7 @@ def test_triangles_turn_counter_clockwise_and_normals_point_outside(name):
 def test_rays_point_away_from_the_eye_and_reflect_by_the_law():
     scene = scene_with(spherical_mirror())
     mirror = reflector(scene.meshes[0])
-    rays = reflected_rays(mirror, scene.camera, SIZE)
+    rays = reflected_rays(mirror, scene.camera.eye(SIZE))
     incident = mirror.positions - np.array(scene.camera.position)
     incident /= np.linalg.norm(incident, axis=1, keepdims=True)
     cosine = np.sum(mirror.normals * incident, axis=1, keepdims=True)
@@ -190,7 +190,7 @@ def test_pictures_are_float32_and_optics_float64(frame):
     assert frame.color.dtype == frame.position.dtype == np.float32
     scene = scene_with(spherical_mirror())
     assert scene.meshes[0].positions.dtype == np.float32
-    rays = reflected_rays(reflector(scene.meshes[0]), scene.camera, SIZE)
+    rays = reflected_rays(reflector(scene.meshes[0]), scene.camera.eye(SIZE))
     assert rays.origins.dtype == rays.directions.dtype == rays.picture.dtype == np.float64
     assert rays.origins.shape == rays.directions.shape == (81, 3)
     assert scene.camera.directions(np.zeros((4, 5, 2)), SIZE).dtype == np.float64

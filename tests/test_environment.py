@@ -144,7 +144,7 @@ def test_the_faces_needed_hold_every_direction_inside_the_triangles(seed, radius
     toward = generator.normal(size=3) * [0.5, 0.5, 0.0] + [0.0, 0.0, 1.0]
     eye = rotation @ (CENTER + distance * toward / np.linalg.norm(toward))
     camera = Camera(tuple(eye.tolist()), tuple((rotation @ CENTER).tolist()), tuple(rotation[:, 1].tolist()))
-    rays = reflected_rays(reflector(mesh), camera, SIZE)
+    rays = reflected_rays(reflector(mesh), camera.eye(SIZE))
     needed = set(faces_needed(rays))
     # What the shader looks up: reflected at interpolated normals, on the triangles that face the eye.
     weights = generator.dirichlet(np.ones(3) * 0.7, 200)
@@ -161,7 +161,7 @@ def test_the_faces_needed_hold_every_direction_inside_the_triangles(seed, radius
 
 def test_a_narrow_bundle_needs_few_faces():
     camera = Camera((0.0, 0.5, 2.0), (0.0, 0.5, 0.0))
-    assert faces_needed(reflected_rays(reflector(flat_mirror()), camera, SIZE)) == [4]
+    assert faces_needed(reflected_rays(reflector(flat_mirror()), camera.eye(SIZE))) == [4]
 
 
 def test_a_bundle_that_ends_beside_an_edge_needs_the_face_beyond_it():
@@ -170,7 +170,7 @@ def test_a_bundle_that_ends_beside_an_edge_needs_the_face_beyond_it():
         toward = np.array([np.sin(turn), 0.0, np.cos(turn)])
         mirror = replace(plain(flat_mirror()), normals=np.tile(toward, (4, 1)).astype(np.float32))
         far = Camera(tuple(np.add(CENTER, (0.0, 0.0, 1e4)).tolist()), tuple(CENTER.tolist()))
-        assert faces_needed(reflected_rays(reflector(mirror), far, SIZE)) == needed
+        assert faces_needed(reflected_rays(reflector(mirror), far.eye(SIZE))) == needed
 
 
 def test_cube_faces_share_their_depth_buffer_and_make_their_depths_on_first_use(monkeypatch):

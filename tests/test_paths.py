@@ -217,7 +217,7 @@ def test_concave_sphere_follows_the_law_and_does_not_hit_itself():
     place = camera.position + (along + np.sqrt(along**2 - to_center @ to_center + radius**2))[:, None] * incident
     assert np.allclose(out.origin[on], place, atol=1e-6)
     assert (angle(out.direction[on], reflect(incident, (center - place) / radius)) < ANGLE).all()
-    mesh = reflected_rays(reflector(mirror), camera, SIZE)
+    mesh = reflected_rays(reflector(mirror), camera.eye(SIZE))
     assert (mesh.status == RayStatus.OK).all()
 
 
@@ -347,7 +347,7 @@ def test_ray_mesh_truth_interpolates_the_vertex_rays_across_the_picture():
     mirror = patch(Sphere(np.array([0.0, 0, -2.4]), 1.4), (-0.4, -0.3), (0.4, 0.3), 3)
     camera = Camera((0.4, 0.2, 0.3), (0, 0, -1.0), field_of_view=55)
     out = trace([box(), mirror], camera, truth="raymesh")
-    mesh = reflected_rays(reflector(mirror), camera, SIZE)
+    mesh = reflected_rays(reflector(mirror), camera.eye(SIZE))
     assert np.allclose(mesh.picture[:, 2], (mesh.origins - camera.position) @ camera.axes()[2])
     x, y = np.meshgrid(np.arange(SIZE[0]) + 0.5, np.arange(SIZE[1]) + 0.5)
     pixels = np.stack([x.ravel(), y.ravel(), np.ones(x.size)])
@@ -376,7 +376,7 @@ def test_ray_mesh_truth_is_surface_truth_at_a_vertex():
 def test_vertices_turned_away_are_said_to_be():
     mirror = patch(Sphere(np.zeros(3), 1.0), (-np.pi, -1.5), (np.pi, 1.5), 16, exact=False)
     camera = Camera((0, 0, 3.0), (0, 0, 0))
-    mesh = reflected_rays(reflector(mirror), camera, SIZE)
+    mesh = reflected_rays(reflector(mirror), camera.eye(SIZE))
     away = np.sum((mirror.positions - camera.position) * mirror.normals, axis=1) >= 0
     assert np.array_equal(mesh.status == RayStatus.BACK_FACING, away) and 0 < away.sum() < len(away)
     # As long as the eye is far, with which interpolation is exact on a flat mirror.
@@ -387,7 +387,7 @@ def test_vertices_turned_away_are_said_to_be():
 def test_refraction_at_vertices_is_refused():
     ball = patch(Sphere(np.zeros(3), 1.0), (-1, -1), (1, 1), 4, "ball", Glass())
     with pytest.raises(AnamorphError, match=r"'ball'.*raytrace"):
-        reflected_rays(reflector(ball), Camera((0, 0, 3), (0, 0, 0)), SIZE)
+        reflected_rays(reflector(ball), Camera((0, 0, 3), (0, 0, 0)).eye(SIZE))
     with pytest.raises(AnamorphError, match=r"'ball'.*raytrace"):
         trace([ball], Camera((0, 0, 3), (0, 0, 0)), truth="raymesh")
 
@@ -402,7 +402,7 @@ def test_a_zero_normal_is_named():
     mirror = rectangle_at((0, 0, 0), (1, 0, 0), (0, 1, 0))
     mirror = replace(mirror, normals=np.zeros_like(mirror.normals), surface=None)
     with pytest.raises(AnamorphError, match="normals"):
-        reflected_rays(reflector(mirror), Camera((0, 0, 3), (0, 0, 0)), SIZE)
+        reflected_rays(reflector(mirror), Camera((0, 0, 3), (0, 0, 0)).eye(SIZE))
     out = trace([box(), mirror], Camera((0, 0, 3), (0, 0, 0)))
     assert (out.status[out.specular == 2] == Status.TRACED).all() and np.isfinite(out.direction).all()
 

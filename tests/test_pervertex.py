@@ -55,7 +55,7 @@ def plan_of(scene, camera=None, size=SIZE, projective=True):
     camera = camera or scene.camera
     mirror = reflector(scene.meshes[0])
     world = world_of(flatten(scene))
-    rays = reflected_rays(mirror, camera, size)
+    rays = reflected_rays(mirror, camera.eye(size))
     return rays, plan_map(mirror, rays, np.array(camera.position), world, projective), world
 
 

@@ -39,7 +39,7 @@ def lens_of(prescription: Prescription, vertices: int = 127) -> Lens:
 def seen(lens: Lens, eye, index: float | None = None) -> RayMesh:
     x, y, z = eye
     camera = Camera((x, y, z), (0.0, 0.0, 0.0), field_of_view=50.0)
-    return refracted_rays(refractor(lens.back, lens.front), camera, SIZE, index)
+    return refracted_rays(refractor(lens.back, lens.front), camera.eye(SIZE), index)
 
 
 def slab(thickness: float, radius: float, index: float, tilt: float = 0.0, vertices: int = 271) -> Lens:
@@ -126,7 +126,7 @@ def test_transverse_colour_is_prism_over_abbe_number(index, abbe, power):
     )
     lens = lens_of(prescription)
     camera = Camera((0.0, 0.0, 1000.0), (0.0, 0.0, 0.0))
-    red, green, blue = refracted_colors(refractor(lens.back, lens.front), camera, SIZE)
+    red, green, blue = refracted_colors(refractor(lens.back, lens.front), camera.eye(SIZE))
     assert red.picture is green.picture is blue.picture and red.faces is blue.faces
     away = np.hypot(*lens.back.positions.T[:2].astype(float))
     within = (away > 1e-4) & (away < 8e-3)
@@ -151,9 +151,9 @@ def test_given_indices_are_taken_for_the_three_colours():
     lens, camera = lens_of(Prescription(4.0, centre_thickness=6.0)), Camera((0.0, 0.0, 0.07), (0.0, 0.0, 0.0))
     prepared = refractor(lens.back, lens.front)
     for rays, index in zip(
-        refracted_colors(prepared, camera, SIZE, (1.60, 1.61, 1.62)), (1.60, 1.61, 1.62), strict=True
+        refracted_colors(prepared, camera.eye(SIZE), (1.60, 1.61, 1.62)), (1.60, 1.61, 1.62), strict=True
     ):
-        np.testing.assert_array_equal(rays.directions, refracted_rays(prepared, camera, SIZE, index).directions)
+        np.testing.assert_array_equal(rays.directions, refracted_rays(prepared, camera.eye(SIZE), index).directions)
 
 
 LENSES = {
@@ -194,7 +194,7 @@ def test_directions_are_as_long_as_the_eyes_distance_and_the_picture_is_the_came
 
 def test_from_the_other_side_the_front_is_the_near_face():
     lens = lens_of(LENSES["plus"])
-    rays = refracted_rays(refractor(lens.front, lens.back), Camera((0.0, 0.0, -0.4), (0.0, 0.0, 0.0)), SIZE)
+    rays = refracted_rays(refractor(lens.front, lens.back), Camera((0.0, 0.0, -0.4), (0.0, 0.0, 0.0)).eye(SIZE))
     ok = rays.status == RayStatus.OK
     assert ok.all()
     positions = refractor(lens.front, lens.back).positions
@@ -299,7 +299,7 @@ def test_built_in_lenses_reduce_magnify_and_reverse_as_the_formulae_say(name, di
     scene = builtin.make(name)
     front, back = scene.meshes[:2]
     prepared = refractor(back, front)
-    rays = refracted_rays(prepared, scene.camera, SIZE)
+    rays = refracted_rays(prepared, scene.camera.eye(SIZE))
     axis, first_ring, far = scene.camera.axes()[2], slice(1, 7), 3.0
     offset = prepared.positions[first_ring] - scene.camera.position
     # How far aside a thing is seen, and how far aside it is.

@@ -34,8 +34,8 @@ class Projection:
     up: np.ndarray
     eye: np.ndarray
 
-    def uniform(self, size: tuple[int, int]) -> np.ndarray:
-        """The shader's `Projection` structure for a picture of `size`, as float32."""
+    def uniform(self, size: tuple[int, int], corner: tuple[int, int] = (0, 0)) -> np.ndarray:
+        """The shader's `Projection` structure, as float32, for a picture of `size` whose first pixel is at `corner`."""
         width, height = size
         # The angle of one pixel, by which the sky is filtered.
         spread = 2.0 * np.linalg.norm(self.up) / (np.linalg.norm(self.base) * height)
@@ -47,7 +47,7 @@ class Projection:
                 [*self.right, 0.0],
                 [*self.up, 0.0],
                 [*self.eye, 0.0],
-                [width, height, 0.0, 0.0],
+                [width, height, *corner],
             ]
         ).astype(np.float32)
 

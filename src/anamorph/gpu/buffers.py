@@ -13,7 +13,7 @@ from anamorph.gpu.bindings import SAMPLER, STORAGE, bind, layout_of, texture
 from anamorph.gpu.device import get_device
 from anamorph.gpu.textures import sky_texture, texture_array, texture_sampler
 from anamorph.scene.geometry import Geometry
-from anamorph.scene.model import AmbientLight, Diffuse, DirectionalLight, Glass, Material, PointLight, Scene, Texture
+from anamorph.scene.model import AmbientLight, Diffuse, DirectionalLight, Glass, Material, Mirror, PointLight, Scene, Texture
 
 VERTEX = np.dtype(
     [("position", "f4", 3), ("normal", "f4", 3), ("texcoord", "f4", 2), ("color", "u2", 4), ("object", "u4")]
@@ -52,8 +52,10 @@ class SceneBuffers:
     vertices, indices : buffers
     first_vertex, first_face : (meshes + 1,) int64
         Mesh i owns vertices first_vertex[i] to first_vertex[i + 1], and triangles likewise.
-    specular : tuple of int
-        Indices of the meshes that are mirrors or glass.
+    specular, mirrors : tuple of int
+        Indices of the meshes that are mirrors or glass, and of the mirrors alone.
+    bends : (meshes,) bool
+        Whether a mesh is specular.
     shading : bind group
         Group 0 of every shader.
     """
@@ -63,6 +65,8 @@ class SceneBuffers:
     first_vertex: np.ndarray
     first_face: np.ndarray
     specular: tuple[int, ...]
+    mirrors: tuple[int, ...]
+    bends: np.ndarray
     shading: wgpu.GPUBindGroup
 
 
@@ -89,6 +93,8 @@ def upload_scene(scene: Scene, geometry: Geometry) -> SceneBuffers:
         first_vertex=geometry.first_vertex,
         first_face=geometry.first_face,
         specular=tuple(i for i, mesh in enumerate(scene.meshes) if mesh.specular),
+        mirrors=tuple(i for i, mesh in enumerate(scene.meshes) if isinstance(mesh.material, Mirror)),
+        bends=np.array([mesh.specular for mesh in scene.meshes], bool),
         shading=bind(shading_layout(), resources),
     )
 

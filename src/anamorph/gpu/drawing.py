@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cache
 from importlib import resources
@@ -164,23 +164,42 @@ def draw_scene(
     buffers: SceneBuffers,
     projection: ProjectionUniform,
     replaced: Sequence[int] = (),
-    absent: Sequence[int] = (),
+    fronts: Sequence[int] = (),
+    visible: np.ndarray | None = None,
+    sky: bool = True,
+    extra: Callable[[wgpu.GPURenderPassEncoder], None] | None = None,
 ) -> None:
-    """Draw the diffuse meshes, the specular ones, then the sky.
+    """Draw the diffuse meshes, the mirrors, then the sky. Glass is left to the methods that bend light at it.
 
-    `replaced` are the mirrors whose fronts a method draws itself, `absent` those not to be drawn at all.
+    Parameters
+    ----------
+    render_pass, pipelines, buffers, projection
+    replaced : sequence of int
+        The mirrors whose fronts a method draws itself.
+    fronts : sequence of int
+        Those that have no back to be seen.
+    visible : (meshes,) bool, optional
+        The meshes that may be in the picture.
+    sky : bool
+        Whether to draw it.
+    extra : callable, optional
+        Draws before all others, so that nothing behind it is shaded.
     """
     bind_scene(render_pass, buffers, projection)
+    if extra is not None:
+        extra(render_pass)
     render_pass.set_vertex_buffer(0, buffers.vertices)
     render_pass.set_index_buffer(buffers.indices, "uint32")
-    diffuse = visible_ranges(len(buffers.first_face) - 1, buffers.specular)
+    present = np.ones(len(buffers.first_face) - 1, bool) if visible is None else visible
+    diffuse = _runs(present & ~buffers.bends)
     _draw_ranges(render_pass, pipelines.depth, buffers, diffuse)
     _draw_ranges(render_pass, pipelines.meshes, buffers, diffuse)
-    present = [(i, i + 1) for i in buffers.specular if i not in absent]
-    _draw_ranges(render_pass, pipelines.backs, buffers, present)
-    _draw_ranges(render_pass, pipelines.stand_ins, buffers, [run for run in present if run[0] not in replaced])
-    render_pass.set_pipeline(pipelines.sky)
-    render_pass.draw(3)
+    mirrors = [index for index in buffers.mirrors if present[index]]
+    _draw_ranges(render_pass, pipelines.backs, buffers, [(i, i + 1) for i in mirrors if i not in fronts])
+    _draw_ranges(render_pass, pipelines.stand_ins, buffers, [(i, i + 1) for i in mirrors if i not in replaced])
+    if sky:
+        render_pass.set_pipeline(pipelines.sky)
+        render_pass.draw(3)
 
 
 def draw_mesh(render_pass: wgpu.GPURenderPassEncoder, buffers: SceneBuffers, index: int) -> None:
@@ -197,17 +216,17 @@ def _draw_ranges(
     buffers: SceneBuffers,
     ranges: Sequence[tuple[int, int]],
 ) -> None:
-    render_pass.set_pipeline(pipeline)
+    if ranges:
+        render_pass.set_pipeline(pipeline)
     for first, last in ranges:
         start, end = int(buffers.first_face[first]), int(buffers.first_face[last])
         render_pass.draw_indexed(3 * (end - start), 1, 3 * start)
 
 
-def visible_ranges(count: int, hidden: Sequence[int]) -> list[tuple[int, int]]:
-    """The runs first to last (exclusive) of the numbers 0 to `count` that are not `hidden`."""
-    stops = np.array([*sorted(hidden), count])
-    starts = np.array([0, *(stops[:-1] + 1)])
-    return [(int(a), int(b)) for a, b in zip(starts, stops, strict=True) if b > a]
+def _runs(chosen: np.ndarray) -> list[tuple[int, int]]:
+    """The runs, first to last (exclusive), of the numbers that are `chosen`."""
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], chosen, [False]])))
+    return list(zip(edges[::2].tolist(), edges[1::2].tolist(), strict=True))
 
 
 def submit(encoder: wgpu.GPUCommandEncoder) -> None:

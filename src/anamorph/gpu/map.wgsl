@@ -14,7 +14,7 @@ fn map_point(seen_by: Projection, place: vec2f, depth: vec4f) -> vec4f {
     return vec4f(point.xyz / point.w, depth.w);
 }
 
-// The texel of a map that holds `place`.
+// The texel that holds `place`, in the texture of which the map is a part.
 fn map_texel(seen_by: Projection, place: vec2f) -> vec2i {
-    return vec2i(clamp(place * seen_by.size.xy, vec2f(0.0), seen_by.size.xy - 1.0));
+    return vec2i(seen_by.size.zw + clamp(place * seen_by.size.xy, vec2f(0.0), seen_by.size.xy - 1.0));
 }

@@ -8,7 +8,7 @@ struct Projection {
     right: vec4f,
     up: vec4f,
     eye: vec4f,
-    // Pixels of the picture.
+    // xy: pixels of the picture, zw: its first pixel, where it is a part of a larger one.
     size: vec4f,
 }
 
@@ -58,7 +58,7 @@ fn seen_flags(specular: u32, status: u32) -> u32 {
 
 // The direction in which a pixel looks, not unit.
 fn viewing_direction(pixel: vec2f) -> vec3f {
-    let place = pixel / projection.size.xy * vec2f(2.0, -2.0) + vec2f(-1.0, 1.0);
+    let place = (pixel - projection.size.zw) / projection.size.xy * vec2f(2.0, -2.0) + vec2f(-1.0, 1.0);
     return projection.base.xyz + place.x * projection.right.xyz + place.y * projection.up.xyz;
 }
 

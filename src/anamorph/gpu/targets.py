@@ -96,6 +96,11 @@ def begin_pass(
     return encoder.begin_render_pass(color_attachments=colors, depth_stencil_attachment=depth)
 
 
+def map_sampler() -> wgpu.GPUSampler:
+    """Blends between texels and mip levels of a map; ends at the texture's border."""
+    return get_device().create_sampler(mag_filter="linear", min_filter="linear", mipmap_filter="linear")
+
+
 def read_texture(texture: wgpu.GPUTexture) -> np.ndarray:
     """The texture's finest level as (H, W) or (H, W, channels)."""
     kinds = {

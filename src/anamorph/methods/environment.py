@@ -17,9 +17,9 @@ from anamorph.errors import AnamorphError
 from anamorph.frame import View
 from anamorph.gpu.bindings import SAMPLER, STORAGE, bind, layout_of, texture
 from anamorph.gpu.buffers import storage_buffer
+from anamorph.gpu.cube import make_cube
 from anamorph.gpu.drawing import draw_mesh, make_pipeline, shader_module
-from anamorph.gpu.maps import make_cube, map_sampler
-from anamorph.gpu.targets import COLOR_FORMAT, MAP_FORMATS, SEEN_FORMATS, Target, make_texture
+from anamorph.gpu.targets import COLOR_FORMAT, MAP_FORMATS, SEEN_FORMATS, Target, make_texture, map_sampler
 from anamorph.methods.pervertex import Options as PerVertexOptions
 from anamorph.methods.pervertex import PerVertexDrawing
 from anamorph.methods.protocol import Method, Session
@@ -132,7 +132,7 @@ class _CubeReflector:
         self.maps = make_cube(size)
         projections = cube_projections((low + high) / 2.0, near=1e-3 * float(np.linalg.norm(high - low)))
         for face, projection in zip(self.maps, projections, strict=True):
-            face.write(projection)
+            face.projection.write(projection, (size, size))
         uniforms = np.concatenate([projection.uniform((size, size)) for projection in projections])
         assert uniforms.nbytes == 6 * UNIFORM_BYTES
         resources = [
@@ -152,7 +152,7 @@ class _CubeReflector:
 
     def rays(self, camera: Camera, size: tuple[int, int]) -> list[RayMesh]:
         """The ray mesh of each of its meshes."""
-        return [reflected_rays(mirror, camera, size) for mirror in self._mirrors]
+        return [reflected_rays(mirror, camera.eye(size)) for mirror in self._mirrors]
 
 
 class CubeDrawing:

@@ -164,7 +164,7 @@ class PathTracer:
             return NO_RAYS, NO_RAYS
         origins, directions = np.zeros((2, len(self._world.positions), 3))
         for first, mirror in self._reflectors:
-            mesh = reflected_rays(mirror, camera, size)
+            mesh = reflected_rays(mirror, camera.eye(size))
             own = slice(first, first + len(mesh.origins))
             origins[own], directions[own] = mesh.origins, mesh.directions
         return origins, directions

@@ -9,7 +9,7 @@ import numpy as np
 from anamorph.errors import AnamorphError
 from anamorph.optics.laws import reflect
 from anamorph.raymesh import RayMesh, RayStatus
-from anamorph.scene.camera import Camera
+from anamorph.scene.camera import Eye
 from anamorph.scene.model import Mesh, Mirror
 
 
@@ -45,8 +45,8 @@ def reflector(mesh: Mesh) -> Reflector:
     return Reflector(np.asarray(mesh.positions, float), normals / length, mesh.faces)
 
 
-def reflected_rays(mirror: Reflector, camera: Camera, size: tuple[int, int]) -> RayMesh:
-    """The ray mesh of `mirror` as `camera` sees it.
+def reflected_rays(mirror: Reflector, eye: Eye) -> RayMesh:
+    """The ray mesh of `mirror` as `eye` sees it.
 
     A vertex that turns its back on the eye is BACK_FACING; its direction still follows the formula, so that
     what is interpolated between it and a front-facing neighbour changes smoothly across the silhouette.
@@ -54,15 +54,14 @@ def reflected_rays(mirror: Reflector, camera: Camera, size: tuple[int, int]) -> 
     Parameters
     ----------
     mirror : Reflector
-    camera : Camera
-    size : (width, height)
+    eye : Eye
 
     Returns
     -------
     RayMesh
     """
-    offset = mirror.positions - np.asarray(camera.position)
-    picture = camera.picture(mirror.positions, size)
+    offset = eye.offsets(mirror.positions)
+    picture = eye.picture(mirror.positions)
     away = np.einsum("ij,ij->i", offset, mirror.normals) >= 0.0
     status = np.where(away, np.uint8(RayStatus.BACK_FACING), np.uint8(RayStatus.OK))
     # Directions as long as the eye's distance are linear on a flat mirror, so that interpolating them is exact there.

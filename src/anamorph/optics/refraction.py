@@ -15,7 +15,7 @@ from anamorph.optics.dispersion import line_indices
 from anamorph.optics.exact import meet_all, pack
 from anamorph.optics.laws import refract
 from anamorph.raymesh import RayMesh, RayStatus
-from anamorph.scene.camera import Camera
+from anamorph.scene.camera import Eye
 from anamorph.scene.model import Glass, Mesh
 
 
@@ -101,8 +101,8 @@ def _border(face: Mesh) -> np.ndarray:
     return np.unique(edges[uses == 1])
 
 
-def refracted_rays(lens: Refractor, camera: Camera, size: tuple[int, int], index: float | None = None) -> RayMesh:
-    """The ray mesh of `lens` as `camera` sees it, for one frame.
+def refracted_rays(lens: Refractor, eye: Eye, index: float | None = None) -> RayMesh:
+    """The ray mesh of `lens` as `eye` sees it, for one frame.
 
     A ray starts where it leaves the far face. What is given where it does not leave there goes on smoothly from the
     neighbours where it can: BACK_FACING and LEFT_BY_EDGE vertices have the ray through both surfaces as if these
@@ -112,8 +112,7 @@ def refracted_rays(lens: Refractor, camera: Camera, size: tuple[int, int], index
     Parameters
     ----------
     lens : Refractor
-    camera : Camera
-    size : (width, height)
+    eye : Eye
     index : float, optional
         Refractive index, for light of another colour than the d line.
 
@@ -123,7 +122,7 @@ def refracted_rays(lens: Refractor, camera: Camera, size: tuple[int, int], index
         Directions have the length of the eye's distance, with which interpolating them is exact behind a flat slab.
     """
     index = lens.index if index is None else index
-    offset = lens.positions - np.asarray(camera.position)
+    offset = eye.offsets(lens.positions)
     distance = np.linalg.norm(offset, axis=1, keepdims=True)
     away = np.einsum("ij,ij->i", offset, lens.normals) >= 0.0
     inside, _ = refract(offset / distance, lens.normals, 1.0 / index)
@@ -144,19 +143,18 @@ def refracted_rays(lens: Refractor, camera: Camera, size: tuple[int, int], index
     status[total] = RayStatus.TOTAL_REFLECTION
     status[by_edge] = RayStatus.LEFT_BY_EDGE
     status[away] = RayStatus.BACK_FACING
-    return RayMesh(camera.picture(lens.positions, size), origins, distance * directions, lens.faces, status)
+    return RayMesh(eye.picture(lens.positions), origins, distance * directions, lens.faces, status)
 
 
 def refracted_colors(
-    lens: Refractor, camera: Camera, size: tuple[int, int], indices: tuple[float, float, float] | None = None
+    lens: Refractor, eye: Eye, indices: tuple[float, float, float] | None = None
 ) -> tuple[RayMesh, RayMesh, RayMesh]:
     """The ray meshes for red, green and blue light, which have `picture` and `faces` in common.
 
     Parameters
     ----------
     lens : Refractor
-    camera : Camera
-    size : (width, height)
+    eye : Eye
     indices : three floats, optional
         Refractive indices; by default those of the C, d and F lines, from the glass's Abbe number.
 
@@ -165,7 +163,7 @@ def refracted_colors(
     red, green, blue : RayMesh
     """
     red, green, blue = indices or line_indices(lens.index, lens.abbe)
-    middle = refracted_rays(lens, camera, size, green)
-    others = (refracted_rays(lens, camera, size, index) for index in (red, blue))
+    middle = refracted_rays(lens, eye, green)
+    others = (refracted_rays(lens, eye, index) for index in (red, blue))
     first, last = (replace(rays, picture=middle.picture) for rays in others)
     return first, middle, last

@@ -1,4 +1,4 @@
-"""The pinhole camera: an eye and where it looks."""
+"""The pinhole camera: an eye and where it looks; and the eye alone, which for a map may be at infinity."""
 
 from __future__ import annotations
 
@@ -7,6 +7,31 @@ from dataclasses import dataclass
 import numpy as np
 
 Vector = tuple[float, float, float]
+
+
+@dataclass(frozen=True, eq=False)
+class Eye:
+    """Where lines of sight come from, and the picture that they make: a camera's, or a map's.
+
+    Parameters
+    ----------
+    point : (4,) float64
+        Homogeneous (x, y, z, w). With w > 0 lines of sight leave the point; with w < 0 they run towards it; with w = 0
+        they all run along -(x, y, z).
+    matrix : (3, 4) float64
+        From homogeneous world points to homogeneous picture points (x w, y w, w), in pixels from the top left corner.
+    """
+
+    point: np.ndarray
+    matrix: np.ndarray
+
+    def offsets(self, points: np.ndarray) -> np.ndarray:
+        """Along the lines of sight to `points`, (N, 3): as long as the distance from the eye, times |w|."""
+        return self.point[3] * np.asarray(points, float) - self.point[:3]
+
+    def picture(self, points: np.ndarray) -> np.ndarray:
+        """Homogeneous picture points of world `points`, (N, 3) each."""
+        return np.asarray(points, float) @ self.matrix[:, :3].T + self.matrix[:, 3]
 
 
 @dataclass(frozen=True)
@@ -57,6 +82,15 @@ class Camera:
         directions = x[..., None] * right + y[..., None] * up + forward
         return directions / np.linalg.norm(directions, axis=-1, keepdims=True)
 
+    def eye(self, size: tuple[int, int]) -> Eye:
+        """This camera as an eye that sees a picture of `size` (width, height); w is the depth in metres."""
+        width, height = size
+        across, up, depth = self.axes()
+        focal = height / (2.0 * np.tan(np.radians(self.field_of_view) / 2.0))
+        rows = np.stack([focal * across + width / 2.0 * depth, height / 2.0 * depth - focal * up, depth])
+        position = np.asarray(self.position, float)
+        return Eye(np.append(position, 1.0), np.column_stack([rows, -rows @ position]))
+
     def picture(self, points: np.ndarray, size: tuple[int, int]) -> np.ndarray:
         """Where points (N, 3) appear in a picture of `size` (width, height).
 
@@ -65,7 +99,4 @@ class Camera:
         (N, 3) float64
             Homogeneous: (x w, y w, w), with x, y in pixels from the top left corner and w the depth in metres.
         """
-        width, height = size
-        across, up, depth = self.axes() @ (np.asarray(points, float) - self.position).T
-        focal = height / (2.0 * np.tan(np.radians(self.field_of_view) / 2.0))
-        return np.stack([focal * across + width / 2.0 * depth, height / 2.0 * depth - focal * up, depth], axis=-1)
+        return self.eye(size).picture(points)

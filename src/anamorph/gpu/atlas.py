@@ -1,0 +1,166 @@
+"""An atlas: many maps of the scene in one texture, each in a rectangle of its own, drawn in one pass."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import wgpu
+
+from anamorph.gpu.buffers import SceneBuffers
+from anamorph.gpu.device import maximum_size
+from anamorph.gpu.drawing import ProjectionUniform, ScenePipelines, draw_scene, projection_uniform
+from anamorph.gpu.halving import Halving, halvings
+from anamorph.gpu.targets import COLOR_FORMAT, MAP_FORMATS, Target, begin_pass, make_target, make_texture
+from anamorph.projection import Projection
+
+SPARE = 1.15
+"""How much wider and higher than needed the textures are made: a moving eye does not bring new ones every frame."""
+
+LEVELS = 5
+"""Of mipmaps. Rectangles begin at multiples of the coarsest texel, so that no texel belongs to two."""
+
+ALIGNMENT = 1 << (LEVELS - 1)
+
+
+@dataclass(frozen=True, eq=False)
+class MapView:
+    """One map: what it sees, and of what size.
+
+    Parameters
+    ----------
+    projection : Projection
+    size : (width, height)
+        Texels.
+    visible : (meshes,) bool
+        The meshes that it may see.
+    fronts : tuple of int
+        Mirrors of which it must see no back: the ones whose map it is.
+    replaced : tuple of int
+        Mirrors whose fronts `extra` draws.
+    sky : bool
+        Whether it sees the sky; else it is empty where it sees nothing.
+    extra : callable, optional
+        Draws into the map after its diffuse meshes, given the pass.
+    """
+
+    projection: Projection
+    size: tuple[int, int]
+    visible: np.ndarray
+    fronts: tuple[int, ...] = ()
+    replaced: tuple[int, ...] = ()
+    sky: bool = True
+    extra: Callable[[wgpu.GPURenderPassEncoder], None] | None = None
+
+
+def arrange(sizes: Sequence[tuple[int, int]], widest: int) -> tuple[list[tuple[int, int]], tuple[int, int]]:
+    """Corners of rectangles of `sizes` that do not overlap, on shelves no wider than `widest`; and the room they take."""
+    area = sum(width * height for width, height in sizes)
+    longest = max(width for width, _ in sizes)
+    limit = min(max(longest, int(1.1 * np.sqrt(area))), widest)
+    corners = [(0, 0)] * len(sizes)
+    x = y = shelf = right = 0
+    for number in sorted(range(len(sizes)), key=lambda i: -sizes[i][1]):
+        width, height = (-(-side // ALIGNMENT) * ALIGNMENT for side in sizes[number])
+        if x > 0 and x + width > limit:
+            x, y, shelf = 0, y + shelf, 0
+        corners[number] = (x, y)
+        x, shelf = x + width, max(shelf, height)
+        right = max(right, x)
+    return corners, (right, y + shelf)
+
+
+class Atlas:
+    """The textures of one set of maps, which is laid out anew for each frame.
+
+    Attributes
+    ----------
+    color, depth : textures
+        They are other ones after `place` has returned True.
+    projections : list of float32 arrays
+        Each map's `Projection` structure for shaders.
+    """
+
+    def __init__(self, antialias: int = 1, mipmaps: bool = False) -> None:
+        self._antialias, self._levels = antialias, LEVELS if mipmaps else 1
+        self._size = (0, 0)
+        self._uniforms: list[ProjectionUniform] = []
+        self._views: Sequence[MapView] = ()
+        self._corners: list[tuple[int, int]] = []
+        self.projections: list[np.ndarray] = []
+
+    def place(self, views: Sequence[MapView]) -> bool:
+        """Give each of the maps its rectangle; whether the textures had to be made anew."""
+        widest = maximum_size()
+        corners, needed = arrange([view.size for view in views], widest)
+        self._views, self._corners = views, corners
+        while len(self._uniforms) < len(views):
+            self._uniforms.append(projection_uniform())
+        self.projections = []
+        for view, corner, uniform in zip(views, corners, self._uniforms, strict=False):
+            self.projections.append(view.projection.uniform(view.size, corner))
+            uniform.write(self.projections[-1])
+        too_small = any(have < want for have, want in zip(self._size, needed, strict=True))
+        if not too_small and self._size[0] * self._size[1] < 4 * max(needed[0] * needed[1], 256 * 256):
+            return False
+        self._make([min(int(SPARE * side) // ALIGNMENT * ALIGNMENT + ALIGNMENT, widest) for side in needed])
+        return True
+
+    def _make(self, size: Sequence[int]) -> None:
+        self._size = width, height = size[0], size[1]
+        square = (width, height)
+        self.color = make_texture(square, COLOR_FORMAT, levels=self._levels)
+        self.depth = make_texture(square, MAP_FORMATS[0])
+        self._colors = make_target(square, (COLOR_FORMAT,), self._antialias, (self.color,))
+        self._depths = make_target(square, MAP_FORMATS, textures=(self.depth,))
+        self._both = make_target(
+            square, (COLOR_FORMAT, *MAP_FORMATS), textures=(self.color, self.depth), depth=self._depths.depth
+        )
+        self._halvings: tuple[Halving, ...] = halvings(self.color, self._levels)
+
+    def draw_color(
+        self, encoder: wgpu.GPUCommandEncoder, buffers: SceneBuffers, pipelines: ScenePipelines
+    ) -> None:
+        """Draw the maps' colours, and their mipmaps."""
+        self._draw(encoder, self._colors, buffers, pipelines)
+        self._halve(encoder)
+
+    def draw_depth(self, encoder: wgpu.GPUCommandEncoder, buffers: SceneBuffers, pipelines: ScenePipelines) -> None:
+        """Draw the maps' depths and object numbers."""
+        self._draw(encoder, self._depths, buffers, pipelines, extras=False)
+
+    def draw_both(self, encoder: wgpu.GPUCommandEncoder, buffers: SceneBuffers, pipelines: ScenePipelines) -> None:
+        """Draw colours and depths at once."""
+        self._draw(encoder, self._both, buffers, pipelines)
+        self._halve(encoder)
+
+    def _halve(self, encoder: wgpu.GPUCommandEncoder) -> None:
+        for halving in self._halvings:
+            halving.draw(encoder)
+
+    def _draw(
+        self,
+        encoder: wgpu.GPUCommandEncoder,
+        target: Target,
+        buffers: SceneBuffers,
+        pipelines: ScenePipelines,
+        extras: bool = True,
+    ) -> None:
+        render_pass = begin_pass(encoder, target)
+        for view, corner, uniform in zip(self._views, self._corners, self._uniforms, strict=False):
+            render_pass.set_viewport(*corner, *view.size, 0.0, 1.0)
+            render_pass.set_scissor_rect(*corner, *view.size)
+            extra = view.extra if extras else None
+            draw_scene(
+                render_pass,
+                pipelines,
+                buffers,
+                uniform,
+                replaced=view.replaced if extra else (),
+                fronts=view.fronts,
+                visible=view.visible,
+                sky=view.sky,
+                extra=extra,
+            )
+        render_pass.end()

@@ -52,6 +52,9 @@ class Projection:
         ).astype(np.float32)
 
 
+CROSSING = 1e-3
+"""How close to the crossing of its lines a map draws, relative to the distance from its image plane."""
+
 UNIFORM_BYTES = 4 * (16 + 16 + 5 * 4)
 
 
@@ -103,6 +106,12 @@ class MapFrame:
         height = local[:, 2]
         return np.column_stack([local[:, :2] + height[:, None] * self.slope, 1.0 + self.convergence * height])
 
+    def vanishing(self, directions: np.ndarray) -> np.ndarray:
+        """Where in the image plane lines along `directions` (N, 3) end, (N, 2); not for a parallel projection."""
+        right, up, ahead = (directions @ self.axes.T).T
+        safe = np.where(np.abs(ahead) > 1e-9, ahead, 1e-9) * self.convergence
+        return np.stack([right + self.slope[0] * ahead, up + self.slope[1] * ahead], axis=-1) / safe[:, None]
+
     def matrix(self) -> np.ndarray:
         """The same as a (3, 4) matrix on homogeneous world points."""
         right, up, forward = self.axes
@@ -120,6 +129,9 @@ def map_frame(viewpoint: np.ndarray, center: np.ndarray, axes: np.ndarray) -> Ma
 def map_projection(frame: MapFrame, bounds: np.ndarray, near_plane: np.ndarray, corners: np.ndarray) -> Projection:
     """The projection that fills a map with the rectangle `bounds` of the image plane.
 
+    Of lines that converge it draws the part before their crossing, as seen from where they come from: the depth test
+    runs away from the near plane and towards the viewpoint. Source: Vallance 2005, appendix G, sections 4.1 to 4.3.
+
     Parameters
     ----------
     frame : MapFrame
@@ -130,10 +142,33 @@ def map_projection(frame: MapFrame, bounds: np.ndarray, near_plane: np.ndarray, 
     corners : (8, 3) float64
         Corners of a box around the scene, which sets the far end of the depth range.
     """
+    x, y, w = _filled(frame, bounds)
+    steepness = _steepness(frame, bounds, near_plane, corners)
+    return _with_lines(frame, bounds, np.stack([x, y, w - steepness * near_plane, w]))
+
+
+def far_projection(frame: MapFrame, bounds: np.ndarray) -> Projection:
+    """The projection of what lies beyond the crossing of lines that converge (convergence < 0): all is reversed.
+
+    Parameters
+    ----------
+    frame : MapFrame
+    bounds : (2, 2) float64
+        Least and greatest x and y in the image plane.
+    """
+    x, y, w = _filled(frame, bounds)
+    return _with_lines(frame, bounds, np.stack([-x, -y, [0.0, 0.0, 0.0, CROSSING], -w]))
+
+
+def _filled(frame: MapFrame, bounds: np.ndarray) -> np.ndarray:
+    """Rows x, y and w of the clip matrix, (3, 4)."""
     center, half = bounds.mean(axis=0), np.ptp(bounds, axis=0) / 2.0
     x, y, w = frame.matrix()
-    steepness = _steepness(frame, bounds, near_plane, corners)
-    clip = np.stack([(x - center[0] * w) / half[0], (y - center[1] * w) / half[1], w - steepness * near_plane, w])
+    return np.stack([(x - center[0] * w) / half[0], (y - center[1] * w) / half[1], w])
+
+
+def _with_lines(frame: MapFrame, bounds: np.ndarray, clip: np.ndarray) -> Projection:
+    center, half = bounds.mean(axis=0), np.ptp(bounds, axis=0) / 2.0
     right, up, forward = frame.axes
     # The line through the image-plane point (X, Y) runs along (k X - a, k Y - b, 1) in the frame's axes.
     base = (
@@ -157,6 +192,8 @@ def _steepness(frame: MapFrame, bounds: np.ndarray, near_plane: np.ndarray, corn
     linear: so the greatest stands at a corner of the volume's far end.
     """
     far = float(((corners - frame.center) @ frame.axes[2]).max())
+    if frame.convergence < 0.0:
+        far = min(far, (1.0 - CROSSING) / -frame.convergence)
     w = 1.0 + frame.convergence * far
     x, y = np.meshgrid(*bounds.T)
     places = np.stack([x.ravel(), y.ravel()], axis=1) * w - far * frame.slope

@@ -38,6 +38,8 @@ class RayMesh:
     faces : (F, 3) int32
     status : (V,) uint8
         A `RayStatus` each.
+    share : (V,) float64, optional
+        What share of the light goes this way, where interfaces divide it.
     """
 
     picture: np.ndarray
@@ -45,6 +47,7 @@ class RayMesh:
     directions: np.ndarray
     faces: np.ndarray
     status: np.ndarray
+    share: np.ndarray | None = None
 
     def unit_directions(self) -> np.ndarray:
         """The directions normalised, (V, 3)."""

@@ -4,13 +4,23 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from enum import Enum
+from functools import partial
 
 import numpy as np
 import wgpu
 
 from anamorph.gpu.buffers import SceneBuffers
-from anamorph.gpu.device import maximum_size
-from anamorph.gpu.drawing import ProjectionUniform, ScenePipelines, draw_scene, projection_uniform
+from anamorph.gpu.device import get_device, maximum_size
+from anamorph.gpu.drawing import (
+    ProjectionUniform,
+    color_and_depth_pipelines,
+    color_pipelines,
+    draw_scene,
+    end_pipelines,
+    map_pipelines,
+    projection_uniform,
+)
 from anamorph.gpu.halving import Halving, halvings
 from anamorph.gpu.targets import COLOR_FORMAT, MAP_FORMATS, Target, begin_pass, make_target, make_texture
 from anamorph.projection import Projection
@@ -22,6 +32,15 @@ LEVELS = 5
 """Of mipmaps. Rectangles begin at multiples of the coarsest texel, so that no texel belongs to two."""
 
 ALIGNMENT = 1 << (LEVELS - 1)
+
+
+class MapKind(Enum):
+    """What of its maps an atlas draws: colours, depths, or both at once; or where each texel's path ends."""
+
+    COLOR = 0
+    DEPTH = 1
+    BOTH = 2
+    END = 3
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,7 +61,7 @@ class MapView:
     sky : bool
         Whether it sees the sky; else it is empty where it sees nothing.
     extra : callable, optional
-        Draws into the map after its diffuse meshes, given the pass.
+        Draws into the map what else there is, given what is drawn and the pass.
     """
 
     projection: Projection
@@ -51,7 +70,7 @@ class MapView:
     fronts: tuple[int, ...] = ()
     replaced: tuple[int, ...] = ()
     sky: bool = True
-    extra: Callable[[wgpu.GPURenderPassEncoder], None] | None = None
+    extra: Callable[[MapKind, wgpu.GPURenderPassEncoder], None] | None = None
 
 
 def arrange(sizes: Sequence[tuple[int, int]], widest: int) -> tuple[list[tuple[int, int]], tuple[int, int]]:
@@ -76,14 +95,15 @@ class Atlas:
 
     Attributes
     ----------
-    color, depth : textures
-        They are other ones after `place` has returned True.
+    color, depth, end : textures
+        Colours; depths with their slopes and the object seen; the point and the object at the end of each path. They
+        are other ones after `place` has returned True.
     projections : list of float32 arrays
         Each map's `Projection` structure for shaders.
     """
 
-    def __init__(self, antialias: int = 1, mipmaps: bool = False) -> None:
-        self._antialias, self._levels = antialias, LEVELS if mipmaps else 1
+    def __init__(self, antialias: int = 1, mipmaps: bool = False, ends: bool = False) -> None:
+        self._antialias, self._levels, self._has_ends = antialias, LEVELS if mipmaps else 1, ends
         self._size = (0, 0)
         self._uniforms: list[ProjectionUniform] = []
         self._views: Sequence[MapView] = ()
@@ -100,7 +120,7 @@ class Atlas:
         self.projections = []
         for view, corner, uniform in zip(views, corners, self._uniforms, strict=False):
             self.projections.append(view.projection.uniform(view.size, corner))
-            uniform.write(self.projections[-1])
+            get_device().queue.write_buffer(uniform.buffer, 0, self.projections[-1])
         too_small = any(have < want for have, want in zip(self._size, needed, strict=True))
         if not too_small and self._size[0] * self._size[1] < 4 * max(needed[0] * needed[1], 256 * 256):
             return False
@@ -117,50 +137,36 @@ class Atlas:
         self._both = make_target(
             square, (COLOR_FORMAT, *MAP_FORMATS), textures=(self.color, self.depth), depth=self._depths.depth
         )
+        self.end = make_texture(square if self._has_ends else (1, 1), MAP_FORMATS[0])
+        self._ends = make_target(square, MAP_FORMATS, textures=(self.end,), depth=self._depths.depth)
         self._halvings: tuple[Halving, ...] = halvings(self.color, self._levels)
 
-    def draw_color(
-        self, encoder: wgpu.GPUCommandEncoder, buffers: SceneBuffers, pipelines: ScenePipelines
-    ) -> None:
-        """Draw the maps' colours, and their mipmaps."""
-        self._draw(encoder, self._colors, buffers, pipelines)
-        self._halve(encoder)
-
-    def draw_depth(self, encoder: wgpu.GPUCommandEncoder, buffers: SceneBuffers, pipelines: ScenePipelines) -> None:
-        """Draw the maps' depths and object numbers."""
-        self._draw(encoder, self._depths, buffers, pipelines, extras=False)
-
-    def draw_both(self, encoder: wgpu.GPUCommandEncoder, buffers: SceneBuffers, pipelines: ScenePipelines) -> None:
-        """Draw colours and depths at once."""
-        self._draw(encoder, self._both, buffers, pipelines)
-        self._halve(encoder)
-
-    def _halve(self, encoder: wgpu.GPUCommandEncoder) -> None:
-        for halving in self._halvings:
-            halving.draw(encoder)
-
-    def _draw(
-        self,
-        encoder: wgpu.GPUCommandEncoder,
-        target: Target,
-        buffers: SceneBuffers,
-        pipelines: ScenePipelines,
-        extras: bool = True,
-    ) -> None:
+    def draw(self, encoder: wgpu.GPUCommandEncoder, buffers: SceneBuffers, kind: MapKind) -> None:
+        """Draw the maps: what of them, `kind` says."""
+        targets = {
+            MapKind.COLOR: (self._colors, color_pipelines(self._antialias)),
+            MapKind.DEPTH: (self._depths, map_pipelines()),
+            MapKind.BOTH: (self._both, color_and_depth_pipelines()),
+            MapKind.END: (self._ends, end_pipelines()),
+        }
+        target, pipelines = targets[kind]
         render_pass = begin_pass(encoder, target)
         for view, corner, uniform in zip(self._views, self._corners, self._uniforms, strict=False):
             render_pass.set_viewport(*corner, *view.size, 0.0, 1.0)
             render_pass.set_scissor_rect(*corner, *view.size)
-            extra = view.extra if extras else None
+            extra = view.extra if kind != MapKind.DEPTH else None
             draw_scene(
                 render_pass,
                 pipelines,
                 buffers,
                 uniform,
-                replaced=view.replaced if extra else (),
+                replaced=() if extra is None else view.replaced,
                 fronts=view.fronts,
                 visible=view.visible,
                 sky=view.sky,
-                extra=extra,
+                extra=None if extra is None else partial(extra, kind),
             )
         render_pass.end()
+        if kind in (MapKind.COLOR, MapKind.BOTH):
+            for halving in self._halvings:
+                halving.draw(encoder)

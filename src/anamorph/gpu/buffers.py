@@ -20,6 +20,9 @@ VERTEX = np.dtype(
 )
 """One vertex, as scene.wgsl and raytrace.wgsl read it."""
 
+SPARE = 1.25
+"""How much larger than needed a buffer is made: a moving eye does not bring a new one every frame."""
+
 OBJECT = np.dtype(
     [
         ("color", "f4", 3),
@@ -111,6 +114,15 @@ def storage_buffer(data: np.ndarray, usage: int = 0) -> wgpu.GPUBuffer:
     return get_device().create_buffer_with_data(
         data=np.ascontiguousarray(data), usage=wgpu.BufferUsage.STORAGE | wgpu.BufferUsage.COPY_DST | usage
     )
+
+
+def roomy_buffer(buffer: wgpu.GPUBuffer | None, needed: int) -> wgpu.GPUBuffer:
+    """`buffer` if it has the bytes that are needed, else a new one with some to spare."""
+    if buffer is not None and buffer.size >= needed:
+        return buffer
+    limit = get_device().limits["max-storage-buffer-binding-size"]
+    size = max(needed, min(int(SPARE * needed), limit)) + 15 & ~15
+    return get_device().create_buffer(size=size, usage=wgpu.BufferUsage.STORAGE | wgpu.BufferUsage.COPY_DST)
 
 
 def _vertices(geometry: Geometry) -> np.ndarray:

@@ -152,6 +152,12 @@ def map_pipelines(mirrored: bool = False) -> ScenePipelines:
     return _scene_pipelines("scene_depth", "scene_depth", "sky_depth", MAP_FORMATS, mirrored=mirrored)
 
 
+@cache
+def end_pipelines() -> ScenePipelines:
+    """The point and the object that a map sees."""
+    return _scene_pipelines("scene_end", "scene_end", "sky_end", MAP_FORMATS)
+
+
 def bind_scene(render_pass: wgpu.GPURenderPassEncoder, buffers: SceneBuffers, projection: ProjectionUniform) -> None:
     """Bind shading and projection: groups 0 and 1."""
     render_pass.set_bind_group(0, buffers.shading)

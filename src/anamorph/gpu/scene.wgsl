@@ -156,6 +156,12 @@ fn scene_depth(fragment: SceneFragment) -> @location(0) vec4f {
     return depth_and_slopes(fragment);
 }
 
+// The world point and the object.
+@fragment
+fn scene_end(fragment: SceneFragment) -> @location(0) vec4f {
+    return vec4f(fragment.position, f32(fragment.object));
+}
+
 @vertex
 fn sky_vertex(@builtin(vertex_index) index: u32) -> @builtin(position) vec4f {
     let corner = vec2f(f32((index << 1u) & 2u), f32(index & 2u));
@@ -175,4 +181,9 @@ fn sky_seen(@builtin(position) pixel: vec4f) -> Seen {
 @fragment
 fn sky_depth(@builtin(position) pixel: vec4f) -> @location(0) vec4f {
     return vec4f(0.0);
+}
+
+@fragment
+fn sky_end(@builtin(position) pixel: vec4f) -> @location(0) vec4f {
+    return vec4f(normalize(viewing_direction(pixel.xy)), 0.0);
 }

@@ -1,36 +1,38 @@
-"""Per-vertex reflection: one pinhole image from the best virtual viewpoint, warped so that every vertex is exact.
+"""Per-vertex reflection and refraction: maps from the best virtual viewpoints, warped so that every vertex is exact.
 
 Source: Kakimoto, Tatsukawa, Chun, Nishita, "Real-time reflection and refraction on a per-vertex basis" (2007),
-sections 3.1 to 3.4. Steps 1 to 3 of a frame, which need no device, are in warp.py; drawing the map (step 2) and the
-mirror with it (step 4) are here. Deviation: the map is as fine as the picture that it fills.
+sections 3 and 4. Steps 1 to 3 of a frame, which need no device, are in warp.py, for the patches that division.py makes
+(4.1); drawing the maps (step 2) and the bodies with them (step 4), again and again for mirrors in mirrors (4.4), is
+here. Deviation: maps are as fine as the picture that they fill.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import cache
 
 import numpy as np
 import wgpu
 
 from anamorph.errors import AnamorphError
 from anamorph.frame import View
-from anamorph.gpu.bindings import SAMPLER, STORAGE, UNIFORM, bind, layout_of, texture
-from anamorph.gpu.buffers import storage_buffer
-from anamorph.gpu.device import get_device, maximum_size
+from anamorph.gpu.atlas import MapKind
+from anamorph.gpu.device import get_device
 from anamorph.gpu.drawing import bind_scene, make_pipeline, shader_module, submit
-from anamorph.gpu.maps import Map, make_map, map_sampler
 from anamorph.gpu.overlay import Overlay
-from anamorph.gpu.targets import COLOR_FORMAT, SEEN_FORMATS, Target, begin_pass, make_texture, read_texture
+from anamorph.gpu.targets import COLOR_FORMAT, MAP_FORMATS, SEEN_FORMATS, Target, begin_pass, make_texture, read_texture
+from anamorph.methods.bodies import bodies_of
+from anamorph.methods.level import Level, level_layout
 from anamorph.methods.mend import Mender, doubtful_tiles
+from anamorph.methods.pictures import Picture, PictureOptions, Pictures, Seen
 from anamorph.methods.protocol import Method, Session
 from anamorph.methods.session import DrawingSession, Stage
-from anamorph.methods.warp import MapPlan, plan_map, world_of
-from anamorph.optics.reflection import reflected_rays, reflector
-from anamorph.raymesh import RayMesh
+from anamorph.methods.warp import PlanOptions
+from anamorph.methods.world import world_of
 from anamorph.scene.camera import Camera
 
-MAXIMUM_MAP = 4096
-
+MAXIMUM_BOUNCES = 8
 MAXIMUM_REFINEMENTS = 16
 REFINEMENTS_BEFORE_TRACING = 3
 
@@ -47,15 +49,24 @@ class Options:
     Parameters
     ----------
     antialias : int
-        Samples a pixel of the picture and of the map: 1 or 4.
+        Samples a pixel of the picture and of the maps: 1 or 4.
     mipmaps : bool
-        Whether the map has mipmaps.
+        Whether maps have mipmaps.
     resolution : float
-        Texels of the map for each pixel that it fills, along one axis.
+        Texels of a map for each pixel that it fills, along one axis.
     projective : bool
         Whether texture coordinates are projective; false is the paper's plain (s, t).
+    align : bool
+        Whether maps are turned to the principal directions of their rays.
+    field : float
+        Degrees: a mirror whose rays spread wider is divided into patches with a map each.
+    bounces : int
+        How many specular surfaces a path may meet: mirrors in mirrors.
     refine : int
-        Steps that each fragment takes through the map towards what its own ray meets; 0 is the paper.
+        Steps that each fragment takes through its map towards what its own ray meets; 0 is the paper.
+    start : str
+        What the steps start from: "vertices", the places that the vertex rays give; "direction", a far point along
+        each vertex ray, so that no ray is cast at all.
     tolerance : float
         Pixels: where what a fragment shows may be further than this from what it should, its tile of the picture is
         traced. 0 traces nothing. At least three refinements go before.
@@ -67,123 +78,107 @@ class Options:
     mipmaps: bool = False
     resolution: float = 1.0
     projective: bool = True
+    align: bool = True
+    field: float = 100.0
+    bounces: int = 2
     refine: int = 0
+    start: str = "vertices"
     tolerance: float = 0.0
     overlay: bool = False
 
 
-def _ball_radii(plan: MapPlan, rays: RayMesh, camera: Camera, size: tuple[int, int]) -> np.ndarray:
-    """Radii that make each hit's ball a few pixels large on the way to the eye; 0 in the sky."""
-    pixel = 2.0 * np.tan(np.radians(camera.field_of_view) / 2.0) / size[1]
-    way = np.linalg.norm(rays.origins - camera.position, axis=1) + plan.distances
-    return np.where(np.isfinite(way), BALL_PIXELS * pixel * way, 0.0)
+@dataclass(frozen=True)
+class Pipelines:
+    """What draws mirrors and lenses into one kind of target."""
+
+    reflector: wgpu.GPURenderPipeline
+    refractor: wgpu.GPURenderPipeline
 
 
-class _WarpedReflector:
-    """One mirror: its map on the device, and the lookups of its vertices."""
+OUTPUTS: dict[str, tuple[str, ...]] = {
+    "color": (COLOR_FORMAT,),
+    "color_and_depth": (COLOR_FORMAT, *MAP_FORMATS),
+    "end": MAP_FORMATS,
+    "seen": SEEN_FORMATS,
+    "error": (ERROR_FORMAT,),
+}
+"""What the shaders' fragment functions are called after, and the targets that they write."""
 
-    def __init__(self, stage: Stage, index: int, options: Options, layout: wgpu.GPUBindGroupLayout) -> None:
-        mesh = stage.view.scene.meshes[index]
-        self.index = index
-        self.mirror = reflector(mesh)
-        self.lookups = storage_buffer(np.zeros((len(mesh.positions), 4), np.float32))
-        description = [stage.buffers.first_vertex[index], mesh.surface is not None]
-        self._mesh = [
-            get_device().create_buffer_with_data(data=np.array(description, np.uint32), usage=wgpu.BufferUsage.UNIFORM),
-            stage.buffers.vertices,
-            stage.buffers.indices,
-            self.lookups,
-        ]
-        self.map: Map | None = None
-        self.plan: MapPlan | None = None
-        self.overlay = Overlay(self.mirror.positions, self.mirror.faces, options.antialias) if options.overlay else None
-        self._options, self._layout = options, layout
-
-    def update(self, plan: MapPlan) -> Map:
-        """Take over a new plan; a map that has become too coarse or too fine is made anew."""
-        self.plan = plan
-        largest = min(MAXIMUM_MAP, maximum_size())
-        wanted = [int(np.clip(self._options.resolution * texels, 16.0, largest)) for texels in plan.texels]
-        if self.map is None or any(w > 1.3 * s or w < 0.5 * s for w, s in zip(wanted, self.map.size, strict=True)):
-            self.map = make_map((wanted[0], wanted[1]), self._options.antialias, self._options.mipmaps)
-            resources = [
-                self.map.projection.buffer,
-                self.map.color.textures[0].create_view(),
-                map_sampler(),
-                self.map.depth().textures[0].create_view(),
-                *self._mesh,
-            ]
-            self.group = bind(self._layout, resources)
-        self.map.write(plan.projection)
-        get_device().queue.write_buffer(self.lookups, 0, plan.lookups.astype(np.float32))
-        return self.map
+IN_MAPS = {MapKind.COLOR: "color", MapKind.BOTH: "color_and_depth", MapKind.END: "end"}
 
 
 class PerVertexDrawing:
-    """Draws every mirror of a scene by per-vertex reflection. See `SpecularDrawing`."""
+    """Draws every mirror and lens of a scene by per-vertex reflection and refraction. See `SpecularDrawing`."""
 
     def __init__(self, stage: Stage, options: Options) -> None:
         self._stage, self._options = stage, options
-        layout = layout_of(
-            UNIFORM, texture(), SAMPLER, texture(filterable=False), UNIFORM, STORAGE, STORAGE, STORAGE,
-            stages=wgpu.ShaderStage.VERTEX | wgpu.ShaderStage.FRAGMENT,
-        )  # fmt: skip
-        self._reflectors = [_WarpedReflector(stage, index, options, layout) for index in stage.buffers.specular]
-        self._world = world_of(stage.geometry)
-        module = shader_module("gpu/vertices.wgsl", "gpu/map.wgsl", "methods/pervertex.wgsl")
-
-        def pipeline(
-            fragment: str, formats: tuple[str, ...], samples: int = 1, depth_compare: str = "greater"
-        ) -> wgpu.GPURenderPipeline:
-            return make_pipeline(
-                module,
-                "reflector_vertex",
-                fragment,
-                formats,
-                buffers=(),
-                groups=(layout,),
-                samples=samples,
-                cull="back",
-                depth_compare=depth_compare,
-                constants={"REFINEMENTS": options.refine},
-            )
-
+        world = world_of(stage.geometry)
+        bodies = bodies_of(stage.view.scene, stage.geometry, world)
+        depths = options.bounces if len(bodies) > 1 else 1
+        layout = level_layout()
+        self._levels = [
+            Level(stage.buffers, layout, options.antialias, options.mipmaps, ends=depth + 1 < depths)
+            for depth in range(depths)
+        ]
         self._mender: Mender | None = None
         if options.tolerance > 0.0:
-            self._mender = Mender(stage, self._world.caster)
+            self._mender = Mender(stage, world.caster)
             self._errors = make_texture(stage.view.size, ERROR_FORMAT)
             self._errors_view = self._errors.create_view()
-            self._error = pipeline("reflector_error", (ERROR_FORMAT,), depth_compare="equal")
-        self._color = pipeline("reflector_color", (COLOR_FORMAT,), options.antialias)
-        self._seen = pipeline("reflector_seen", SEEN_FORMATS)
+        plan = PlanOptions(options.projective, options.align, self._mender is not None, options.start == "vertices")
+        self._pictures = Pictures(
+            world, bodies, self._levels, PictureOptions(plan, options.field, options.resolution), self._draw_in_map
+        )
+        self._picture: Picture | None = None
+        self._overlays = {
+            side: Overlay(side.optics.positions, side.optics.faces, options.antialias)
+            for body in bodies
+            for side in body.sides
+            if options.overlay
+        }
+        module = shader_module(
+            "gpu/vertices.wgsl", "gpu/map.wgsl",
+            *(f"methods/{name}.wgsl" for name in ("warp", "pervertex", "lens", "doubt")),
+        )  # fmt: skip
+        constants = {"REFINEMENTS": options.refine, "MIPMAPS": int(options.mipmaps)}
+
+        @cache
+        def pipelines(output: str) -> Pipelines:
+            def pipeline(kind: str) -> wgpu.GPURenderPipeline:
+                return make_pipeline(
+                    module,
+                    f"{kind}_vertex",
+                    f"{kind}_{output}",
+                    OUTPUTS[output],
+                    buffers=(),
+                    groups=(layout,),
+                    samples=options.antialias if output == "color" else 1,
+                    cull="back",
+                    depth_compare="equal" if output == "error" else "greater",
+                    constants=constants,
+                )
+
+            return Pipelines(pipeline("reflector"), pipeline("refractor"))
+
+        self._pipelines = pipelines
 
     @property
     def replaced(self) -> tuple[int, ...]:
         """The mirrors that show their front: the others are drawn with the scene."""
-        return tuple(item.index for item in self._reflectors if item.plan is not None)
+        return () if self._picture is None else self._picture.replaced
 
     def prepare(self, encoder: wgpu.GPUCommandEncoder, camera: Camera, shift: tuple[float, float]) -> None:
-        """Steps 1 to 3: plan and draw each mirror's map."""
-        for item in self._reflectors:
-            rays = reflected_rays(item.mirror, camera, self._stage.view.size)
-            plan = plan_map(
-                item.mirror,
-                rays,
-                np.asarray(camera.position),
-                self._world,
-                self._options.projective,
-                strict=self._mender is not None,
-            )
-            item.plan = None
-            if plan is None:
-                continue
-            if item.overlay is not None:
-                item.overlay.place(plan.hits, _ball_radii(plan, rays, camera, self._stage.view.size))
-            balls = None if item.overlay is None else item.overlay.draw_balls
-            target = item.update(plan)
-            looks = self._options.refine > 0 or self._mender is not None
-            draw = target.draw_color_and_depth if looks else target.draw_color
-            draw(encoder, self._stage.buffers, (item.index,), balls)
+        """Steps 1 to 3: plan all maps, and draw them."""
+        size = self._stage.view.size
+        balls = self._draw_balls if self._overlays else None
+        self._picture = self._pictures.plan(camera.eye(size), np.asarray(camera.position, float), balls)
+        for seen in self._picture.seen if self._overlays and self._picture is not None else ():
+            self._overlays[seen.sight.side].place(seen.hits, _ball_radii(seen, camera, size))
+        looks = self._options.refine > 0 or self._mender is not None
+        kinds: Sequence[MapKind] = (MapKind.COLOR,)
+        if looks:
+            kinds = (MapKind.BOTH,) if self._options.antialias == 1 else (MapKind.COLOR, MapKind.DEPTH)
+        self._pictures.draw_maps(encoder, self._stage.buffers, kinds)
 
     def complete(self, target: Target, camera: Camera, shift: tuple[float, float]) -> None:
         """Have those tiles traced in which some fragment may be wrong by more than the tolerance."""
@@ -193,7 +188,7 @@ class PerVertexDrawing:
         errors = replace(target, textures=(self._errors,), attachments=(self._errors_view,))
         render_pass = begin_pass(encoder, errors, keep_depth=True)
         bind_scene(render_pass, self._stage.buffers, self._stage.projection)
-        self._draw(render_pass, self._error)
+        self._draw(self._picture, "error", render_pass)
         render_pass.end()
         submit(encoder)
         self._mender.trace(doubtful_tiles(read_texture(self._errors), self._options.tolerance), camera, shift)
@@ -201,35 +196,53 @@ class PerVertexDrawing:
 
     def prepare_seen(self, encoder: wgpu.GPUCommandEncoder) -> None:
         """Draw what the maps see, for the seen buffers."""
-        for item in self._reflectors:
-            if item.plan is not None and item.map is not None:
-                item.map.draw_depth(encoder, self._stage.buffers, (item.index,))
+        kinds = [MapKind.DEPTH] if len(self._levels) == 1 else [MapKind.DEPTH, MapKind.END]
+        self._pictures.draw_maps(encoder, self._stage.buffers, kinds)
 
     def draw_color(self, render_pass: wgpu.GPURenderPassEncoder) -> None:
-        """Step 4: the mirrors, with their maps."""
-        self._draw(render_pass, self._color)
-        for item in self._reflectors:
-            if item.plan is not None and item.overlay is not None:
-                item.overlay.draw_balls(render_pass)
-                item.overlay.draw_wires(render_pass)
+        """Step 4: the mirrors and lenses, with their maps."""
+        self._draw(self._picture, "color", render_pass)
+        if self._overlays and self._picture is not None:
+            for seen in self._picture.seen:
+                self._overlays[seen.sight.side].draw_balls(render_pass)
+                self._overlays[seen.sight.side].draw_wires(render_pass)
 
     def draw_seen(self, render_pass: wgpu.GPURenderPassEncoder) -> None:
-        """The mirrors' seen buffers."""
-        self._draw(render_pass, self._seen)
+        """The mirrors' and lenses' seen buffers."""
+        self._draw(self._picture, "seen", render_pass)
         if self._mender is not None:
             self._mender.draw_seen(render_pass)
 
-    def _draw(self, render_pass: wgpu.GPURenderPassEncoder, pipeline: wgpu.GPURenderPipeline) -> None:
-        render_pass.set_pipeline(pipeline)
-        for item in self._reflectors:
-            if item.plan is not None:
-                render_pass.set_bind_group(2, item.group)
-                first, last = (int(face) for face in self._stage.buffers.first_face[item.index : item.index + 2])
-                render_pass.draw(3 * (last - first), 1, 3 * first)
+    def _draw(self, picture: Picture | None, output: str, render_pass: wgpu.GPURenderPassEncoder) -> None:
+        if picture is None:
+            return
+        pipelines = self._pipelines(output)
+        for bends, pipeline in ((False, pipelines.reflector), (True, pipelines.refractor)):
+            draws = [draw for draw in picture.draws if draw.bends == bends]
+            if draws:
+                render_pass.set_pipeline(pipeline)
+            for draw in draws:
+                picture.level.select(render_pass, draw.number)
+                render_pass.draw(3 * draw.count, 1, 3 * draw.first)
+
+    def _draw_in_map(self, picture: Picture, kind: MapKind, render_pass: wgpu.GPURenderPassEncoder) -> None:
+        self._draw(picture, IN_MAPS[kind], render_pass)
+
+    def _draw_balls(self, kind: MapKind, render_pass: wgpu.GPURenderPassEncoder) -> None:
+        if kind == MapKind.COLOR and self._picture is not None:
+            for seen in self._picture.seen:
+                self._overlays[seen.sight.side].draw_balls(render_pass)
 
     def rays(self) -> None:
         """There is no ray for a pixel between vertices."""
         return None
+
+
+def _ball_radii(seen: Seen, camera: Camera, size: tuple[int, int]) -> np.ndarray:
+    """Radii that make each hit's ball a few pixels large on the way to the eye; 0 in the sky."""
+    pixel = 2.0 * np.tan(np.radians(camera.field_of_view) / 2.0) / size[1]
+    way = np.linalg.norm(seen.sight.side.optics.positions - camera.position, axis=1) + seen.distances
+    return np.where(np.isfinite(way), BALL_PIXELS * pixel * way, 0.0)
 
 
 def open_session(view: View, options: Options) -> Session:
@@ -240,6 +253,12 @@ def open_session(view: View, options: Options) -> Session:
         raise AnamorphError(f"pervertex: resolution is {options.resolution:g}; give a number from 0.01 to 16")
     if not 0 <= options.refine <= MAXIMUM_REFINEMENTS:
         raise AnamorphError(f"pervertex: refine is {options.refine}; give a number from 0 to {MAXIMUM_REFINEMENTS}")
+    if not 1.0 <= options.field <= 150.0:
+        raise AnamorphError(f"pervertex: field is {options.field:g}; give a number of degrees from 1 to 150")
+    if not 1 <= options.bounces <= MAXIMUM_BOUNCES:
+        raise AnamorphError(f"pervertex: bounces is {options.bounces}; give a number from 1 to {MAXIMUM_BOUNCES}")
+    if options.start not in ("vertices", "direction"):
+        raise AnamorphError(f"pervertex: start is {options.start!r}; give vertices or direction")
     if not 0.0 <= options.tolerance < float("inf"):
         raise AnamorphError(f"pervertex: tolerance is {options.tolerance:g}; give a number of pixels from 0")
     if options.tolerance > 0.0:
@@ -253,7 +272,8 @@ def open_session(view: View, options: Options) -> Session:
 METHOD = Method(
     name="pervertex",
     summary="one image from the best virtual viewpoint, warped so that every vertex is exact",
-    source="Kakimoto et al. 2007, sections 3.1-3.4",
+    source="Kakimoto et al. 2007, sections 3 and 4",
     options=Options,
     open=open_session,
+    refracts=True,
 )

@@ -6,16 +6,13 @@ import numpy as np
 import wgpu
 
 from anamorph.gpu.bindings import STORAGE, UNIFORM, bind, layout_of
-from anamorph.gpu.buffers import SceneBuffers
+from anamorph.gpu.buffers import SceneBuffers, roomy_buffer
 from anamorph.gpu.device import get_device
 from anamorph.gpu.drawing import make_pipeline, shader_module
 from anamorph.gpu.targets import COLOR_FORMAT, SEEN_FORMATS
 from anamorph.methods.bounces import WORDS
 
 RECORD_BYTES = 4 * WORDS
-SPARE = 1.25
-"""How much larger than needed a buffer is made: a moving eye does not bring a new one every frame."""
-
 
 class Tiles:
     """Tiles of one size, whose paths' ends `PathTracer.trace_tiles` has found."""
@@ -51,7 +48,7 @@ class Tiles:
         self._count = len(corners)
         if not self._count:
             return
-        grown = [_room(self._corners, 8 * len(corners)), _room(self._paths, records.nbytes)]
+        grown = [roomy_buffer(self._corners, 8 * len(corners)), roomy_buffer(self._paths, records.nbytes)]
         if grown != [self._corners, self._paths]:
             self._corners, self._paths = grown
             self._group = bind(
@@ -79,12 +76,3 @@ class Tiles:
 def tiles_at_once(pixels: int) -> int:
     """How many tiles of `pixels` each fit into one storage buffer."""
     return max(get_device().limits["max-storage-buffer-binding-size"] // (RECORD_BYTES * pixels), 1)
-
-
-def _room(buffer: wgpu.GPUBuffer | None, needed: int) -> wgpu.GPUBuffer:
-    """`buffer` if it has the bytes that are needed, else a new one."""
-    if buffer is not None and buffer.size >= needed:
-        return buffer
-    limit = get_device().limits["max-storage-buffer-binding-size"]
-    size = max(needed, min(int(SPARE * needed), limit)) + 15 & ~15
-    return get_device().create_buffer(size=size, usage=wgpu.BufferUsage.STORAGE | wgpu.BufferUsage.COPY_DST)

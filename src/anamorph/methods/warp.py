@@ -1,7 +1,8 @@
-"""Where a mirror's map is seen from, and which place of it each vertex shows: steps 1 to 3 of per-vertex reflection.
+"""Where a map is seen from, and which place of it each vertex shows: steps 1 to 3 of per-vertex reflection.
 
 Source: Kakimoto, Tatsukawa, Chun, Nishita, "Real-time reflection and refraction on a per-vertex basis" (2007),
-sections 3.1 to 3.4; the steps keep that paper's numbers.
+sections 3.1 to 3.4, 4.2 and 4.3; the steps keep that paper's numbers. The near region of converging rays, which it
+leaves out, after Vallance, "Trilinear projection" (2005), appendix G.
 
 Deviations. The texture coordinates are projective, (s q, t q, q), which makes a flat mirror exact where plain (s, t)
 bends its picture. The near clipping plane lies along the mirror and not across the view, and vertex rays start at it,
@@ -15,12 +16,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from anamorph.optics.reflection import Reflector
+from anamorph.methods.bodies import Sight
+from anamorph.methods.world import World
 from anamorph.optics.viewpoint import virtual_viewpoint
-from anamorph.projection import MapFrame, Projection, map_frame, map_projection
+from anamorph.projection import MapFrame, Projection, far_projection, map_frame, map_projection
 from anamorph.raymesh import RayMesh, RayStatus
-from anamorph.rays import Caster
-from anamorph.scene.geometry import Geometry
+from anamorph.scene.camera import Eye
 
 WIDEST = 4.0
 """Tangent of the half angle that a map may cover; vertices beyond it have no place in the map."""
@@ -31,83 +32,105 @@ NARROWINGS = 4
 FARTHEST = 1e4
 """How far away the sky is, in diagonals of the scene."""
 
+EDGE_MARGIN = 1.0
+"""By how much of the fan of converging rays a hit near their crossing may lie outside it."""
+
 MAXIMUM_LAYERS = 8
 """How many surfaces of a mirror's rim a ray may pass through."""
+
+ROUND = 1.02
+"""How much longer than wide a bundle of rays must be for the map to be turned along it."""
+
+
+@dataclass(frozen=True)
+class PlanOptions:
+    """What of the plan one may choose.
+
+    Parameters
+    ----------
+    projective : bool
+        Whether texture coordinates are projective; false is the paper's plain (s, t).
+    align : bool
+        Whether the map's axes follow the principal directions of the rays (4.3).
+    strict : bool
+        Whether the map must show all that the mirror does: then it shows what frames the mirror, and a vertex whose
+        ray meets something before the near plane has no place in it.
+    cast : bool
+        Whether to find what the vertex rays hit (step 3.1); else a vertex looks up a point far along its ray.
+    """
+
+    projective: bool = True
+    align: bool = True
+    strict: bool = False
+    cast: bool = True
 
 
 @dataclass(frozen=True, eq=False)
 class MapPlan:
-    """One reflector's map for one frame: steps 1 to 3 of the paper.
+    """One patch's map for one frame: steps 1 to 3 of the paper.
 
     Parameters
     ----------
-    projection : Projection
-        The map's view volume (3.3).
-    lookups : (V, 4) float64
-        (s q, t q, q, valid) of each vertex (3.4); valid is 0 where the map has no place for it.
+    projections : one or two Projection
+        The map's view volume (3.3). Of converging rays first the region beyond their crossing, then the one before it.
+    viewpoint : (4,) float64
+        The virtual viewpoint (3.2), homogeneous; lines of sight leave it in the first of the projections.
+    vertices : (V,) int
+        The patch's vertices in its ray mesh.
+    lookups : (C, V, 4) float64
+        (s q, t q, q, valid) of each vertex (3.4), for light of one colour or of green, red and blue; valid is 0 where
+        the map has no place for it.
     texels : (width, height) float
         The map's size at one texel for each pixel that it fills.
     hits : (V, 3) float64
         Where the vertex rays meet the scene (step 3.1).
     distances : (V,) float64
         How far that is from the vertex; infinite for the sky.
+    used : float
+        The share of the map that the patch looks up.
     """
 
-    projection: Projection
+    projections: tuple[Projection, ...]
+    viewpoint: np.ndarray
+    vertices: np.ndarray
     lookups: np.ndarray
     texels: tuple[float, float]
     hits: np.ndarray
     distances: np.ndarray
+    used: float
+
+    def eye(self, number: int, size: tuple[int, int]) -> Eye:
+        """The map's own eye in projection `number`, for a map of `size`: what it sees in other mirrors."""
+        width, height = size
+        x, y, _, w = self.projections[number].clip
+        matrix = np.stack([width / 2.0 * (x + w), height / 2.0 * (w - y), w])
+        return Eye(-self.viewpoint if number else self.viewpoint, matrix)
 
 
-@dataclass(frozen=True, eq=False)
-class World:
-    """What vertex rays may hit.
-
-    Parameters
-    ----------
-    caster : Caster
-    face_object : (F,) uint32
-        The object of each triangle that it casts at.
-    corners : (8, 3) float64
-        Corners of a box around the scene.
-    """
-
-    caster: Caster
-    face_object: np.ndarray
-    corners: np.ndarray
-
-
-def world_of(geometry: Geometry) -> World:
-    """The world of a scene's geometry."""
-    low, high = geometry.positions.min(axis=0), geometry.positions.max(axis=0)
-    corners = np.stack(np.meshgrid(*np.stack([low, high], axis=1)), axis=-1).reshape(-1, 3).astype(float)
-    return World(Caster(geometry), geometry.face_object, corners)
-
-
-def plan_map(
-    mirror: Reflector, rays: RayMesh, eye: np.ndarray, world: World, projective: bool = True, strict: bool = False
-) -> MapPlan | None:
-    """Find a mirror's virtual viewpoint, view volume and texture coordinates; None where no map can show it.
+def plan_map(sight: Sight, faces: np.ndarray, hider: np.ndarray, world: World, options: PlanOptions) -> MapPlan | None:
+    """Find a patch's virtual viewpoint, view volume and texture coordinates; None where no map can show it.
 
     Parameters
     ----------
-    mirror : Reflector
-    rays : RayMesh
-        Its reflected rays (step 1).
-    eye : (3,) float64
+    sight : Sight
+        A body's rays (step 1).
+    faces : (F,) int
+        The patch, by the numbers of its faces in the ray mesh.
+    hider : (V,) int
+        The object that hides each vertex of the ray mesh from the eye, or 0.
     world : World
         What the rays may hit.
-    projective : bool
-    strict : bool
-        Whether the map must show all that the mirror does: then it shows what frames the mirror, and a vertex whose
-        ray meets something before the near plane has no place in it.
+    options : PlanOptions
 
     Returns
     -------
     MapPlan or None
-        None where only the mirror's back is seen, and where its rays go to all sides alike.
+        None where only the body's back is seen, and where its rays go to all sides alike.
     """
+    vertices, corners = np.unique(sight.rays.faces[faces], return_inverse=True)
+    corners = corners.reshape(-1, 3)
+    bundles = [_part(rays, vertices, corners) for rays in (sight.rays, *sight.others)]
+    rays, hider, outward = bundles[0], hider[vertices], sight.outward[vertices]
     facing = rays.status == RayStatus.OK
     if not facing.any():
         return None
@@ -115,45 +138,81 @@ def plan_map(
     weights = _narrowed(_pixel_weights(rays, facing), directions[facing])
     if np.linalg.norm(weights @ directions[facing]) < 1e-9:
         return None
-    frame = _map_frame(rays.origins[facing], directions[facing], weights)
-    normal = _near_normal(weights, mirror.normals[facing], directions[facing], frame)
-    hider = _hiders(rays.origins, eye, world)
-    near_plane, rim_plane = _near_planes(normal, rays.origins[facing], directions[facing], hider[facing], world)
-    start = np.maximum(_crossings(rays.origins, directions, rim_plane), world.caster.near)
-    distances = world.caster.cast(rays.origins, directions, start).distance
-    sky = FARTHEST * float(np.linalg.norm(np.ptp(world.corners, axis=0)))
-    hits = rays.origins + np.minimum(distances, sky)[:, None] * directions
+    viewpoint, frame = _map_frame(rays.origins[facing], directions[facing], weights, options.align)
+    normal = _near_normal(weights, outward[facing], directions[facing], frame)
+    floor = None
+    if sight.side.hollow and not hider.any():
+        floor = viewpoint[:3] @ normal / viewpoint[3] if frame.convergence > 0.0 else -np.inf
+    near_plane, rim_plane = _near_planes(normal, rays.origins, directions, facing, hider, world, floor)
 
-    # Step 3.2 and 3.3: where the lines from the viewpoint to the hits cross the projection plane.
-    projected = frame.project(hits)
-    ahead = projected[:, 2] > 0.0
-    places = projected[:, :2] / np.where(ahead, projected[:, 2], 1.0)[:, None]
-    inside = ahead & (np.abs(frame.convergence * places - frame.slope).max(axis=1) < WIDEST)
-    if strict:
-        first = world.caster.cast(rays.origins, directions, world.caster.near).distance
-        inside &= (hider > 0) | (first >= _crossings(rays.origins, directions, near_plane))
-    if not (inside & facing).any():
+    # Steps 3.1 to 3.3: where the lines from the viewpoint to the hits cross the projection plane.
+    found = [_looked_up(each, frame, facing, rim_plane, world, options) for each in bundles]
+    hits, distances, places, inside = (np.stack(parts) for parts in zip(*found, strict=True))
+    if options.strict:
+        for number, each in enumerate(bundles):
+            ways = each.unit_directions()
+            first = world.caster.cast(each.origins, ways, world.caster.near).distance
+            inside[number] &= (hider > 0) | (first >= _crossings(each.origins, ways, near_plane))
+    seen = inside & facing
+    if not seen.any():
         return None
-    bounds = _bounds(places[inside & facing])
-    valid = inside & (places >= bounds[0]).all(axis=1) & (places <= bounds[1]).all(axis=1)
+    bounds = _bounds(places[seen])
+    valid = inside & (places >= bounds[0]).all(axis=2) & (places <= bounds[1]).all(axis=2)
 
     # Step 3.4. The row of the map counts downward.
     texcoords = (places - bounds[0]) / np.ptp(bounds, axis=0)
-    texcoords[:, 1] = 1.0 - texcoords[:, 1]
+    texcoords[..., 1] = 1.0 - texcoords[..., 1]
     # q is the depth of a ray as long as the eye's distance. On a flat mirror that is the vertex's own depth in the
     # virtual camera; on a curved one it follows the rays between vertices about three times closer than that depth.
     weight = rays.directions @ frame.axes[2]
-    if not projective or weight[valid].min() <= 0.0:
+    if not options.projective or weight[valid[0]].min(initial=np.inf) <= 0.0:
         weight = np.ones(len(weight))
-    lookups = np.column_stack([texcoords * weight[:, None], weight, valid])
-    lookups[~valid, :2], lookups[~valid, 2] = 0.5, 1.0
-    return MapPlan(
-        projection=map_projection(frame, bounds, near_plane if strict else rim_plane, world.corners),
-        lookups=lookups,
-        texels=_texels(rays, texcoords, valid & facing, np.ptp(bounds, axis=0)),
-        hits=hits,
-        distances=distances,
+    lookups = np.concatenate(
+        [texcoords * weight[:, None], np.broadcast_to(weight, valid.shape)[..., None], valid[..., None]], axis=2
     )
+    lookups[~valid, :2], lookups[~valid, 2] = 0.5, 1.0
+    plane = near_plane if options.strict else rim_plane
+    projections = [map_projection(frame, bounds, plane, world.corners)]
+    if frame.convergence < 0.0:
+        projections.insert(0, far_projection(frame, bounds))
+        if not world.visible(projections[1].clip).any():
+            projections.pop()
+    texels, used = _texels(rays, texcoords[0], valid[0] & facing, np.ptp(bounds, axis=0))
+    return MapPlan(tuple(projections), viewpoint, vertices, lookups, texels, hits[0], distances[0], used)
+
+
+def _part(rays: RayMesh, vertices: np.ndarray, faces: np.ndarray) -> RayMesh:
+    """Some of a ray mesh's vertices, and the `faces` between them."""
+    picture, origins, directions, status = (
+        values[vertices] for values in (rays.picture, rays.origins, rays.directions, rays.status)
+    )
+    return RayMesh(picture, origins, directions, faces, status)
+
+
+def _looked_up(
+    rays: RayMesh, frame: MapFrame, facing: np.ndarray, start: np.ndarray, world: World, options: PlanOptions
+) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """Hits (V, 3) and their distances (V,), their places in the image plane (V, 2), and which of these are usable."""
+    directions = rays.unit_directions()
+    if options.cast:
+        nearest = np.maximum(_crossings(rays.origins, directions, start), world.caster.near)
+        distances = world.caster.cast(rays.origins, directions, nearest).distance
+    else:
+        distances = np.full(len(directions), world.diagonal)
+    hits = rays.origins + np.minimum(distances, FARTHEST * world.diagonal)[:, None] * directions
+    projected = frame.project(hits)
+    crossed = projected[:, 2] < 0.0 if frame.convergence < 0.0 else np.zeros(len(hits), bool)
+    usable = (projected[:, 2] > 0.0) | crossed
+    places = projected[:, :2] / np.where(usable, projected[:, 2], 1.0)[:, None]
+    if frame.convergence < 0.0:
+        # Near their crossing the rays' own scatter is larger than the fan: a hit there says nothing of the place.
+        fan = frame.vanishing(directions)
+        low, high = fan[facing].min(axis=0), fan[facing].max(axis=0)
+        margin = EDGE_MARGIN * (high - low).max()
+        places = np.clip(np.where(usable[:, None], places, fan), low - margin, high + margin)
+        usable = directions @ frame.axes[2] > 0.0
+    usable &= np.abs(frame.convergence * places - frame.slope).max(axis=1) < WIDEST
+    return hits, distances, places, usable
 
 
 def _pixel_weights(rays: RayMesh, facing: np.ndarray) -> np.ndarray:
@@ -176,7 +235,9 @@ def _narrowed(weights: np.ndarray, directions: np.ndarray) -> np.ndarray:
     return narrowed
 
 
-def _map_frame(origins: np.ndarray, directions: np.ndarray, weights: np.ndarray) -> MapFrame:
+def _map_frame(
+    origins: np.ndarray, directions: np.ndarray, weights: np.ndarray, align: bool
+) -> tuple[np.ndarray, MapFrame]:
     """Step 2: the virtual viewpoint (3.2), and an image plane across the mean direction, before the mirror (3.3)."""
     forward = weights @ directions
     forward /= np.linalg.norm(forward)
@@ -184,13 +245,31 @@ def _map_frame(origins: np.ndarray, directions: np.ndarray, weights: np.ndarray)
     right = np.cross(forward, up)
     right /= np.linalg.norm(right)
     axes = np.stack([right, np.cross(right, forward), forward])
+    if align:
+        axes = _aligned(axes, directions, weights)
     middle = origins.mean(axis=0)
     radius = float(np.linalg.norm(origins - middle, axis=1).max()) or 1.0
     viewpoint = virtual_viewpoint(origins, directions, weights)
-    if forward @ (viewpoint[3] * middle - viewpoint[:3]) <= 0.0:
-        # Converging rays, of a concave mirror, meet before it: see the scene from the mirror itself instead.
-        viewpoint = np.append(middle, 1.0)
-    return map_frame(viewpoint, middle + radius * forward, axes)
+    # The image plane stands clear of the viewpoint; all planes across one direction give the same picture.
+    ahead = viewpoint[:3] @ forward - viewpoint[3] * (middle @ forward)
+    side = -1.0 if 0.0 < ahead < 2.0 * radius * viewpoint[3] else 1.0
+    return viewpoint, map_frame(viewpoint, middle + side * radius * forward, axes)
+
+
+def _aligned(axes: np.ndarray, directions: np.ndarray, weights: np.ndarray) -> np.ndarray:
+    """The axes turned by up to 45 degrees, to the principal directions of the rays' slopes (4.3)."""
+    across, along = directions @ axes[:2].T, directions @ axes[2]
+    ahead = along > 1e-3
+    slopes = across[ahead] / along[ahead, None]
+    shares = weights[ahead] / (weights[ahead].sum() or 1.0)
+    slopes = slopes - shares @ slopes
+    values, vectors = np.linalg.eigh((shares[:, None] * slopes).T @ slopes)
+    if values[1] <= ROUND**2 * values[0]:
+        return axes
+    angle = np.arctan2(vectors[1, 1], vectors[0, 1])
+    angle -= 0.5 * np.pi * np.rint(angle / (0.5 * np.pi))
+    cosine, sine = np.cos(angle), np.sin(angle)
+    return np.stack([cosine * axes[0] + sine * axes[1], cosine * axes[1] - sine * axes[0], axes[2]])
 
 
 def _near_normal(weights: np.ndarray, normals: np.ndarray, directions: np.ndarray, frame: MapFrame) -> np.ndarray:
@@ -200,34 +279,39 @@ def _near_normal(weights: np.ndarray, normals: np.ndarray, directions: np.ndarra
     return normal / np.linalg.norm(normal) if ahead else frame.axes[2]
 
 
-def _hiders(origins: np.ndarray, eye: np.ndarray, world: World) -> np.ndarray:
-    """The object that hides each vertex from the eye, (V,); 0 for none."""
-    sight = world.caster.cast(np.broadcast_to(eye, origins.shape), origins - eye)
-    hidden = (sight.triangle >= 0) & (sight.distance < 1.0 - 1e-4)
-    return np.where(hidden, world.face_object[sight.triangle], 0)
-
-
 def _near_planes(
-    normal: np.ndarray, origins: np.ndarray, directions: np.ndarray, hider: np.ndarray, world: World
+    normal: np.ndarray,
+    origins: np.ndarray,
+    directions: np.ndarray,
+    facing: np.ndarray,
+    hider: np.ndarray,
+    world: World,
+    floor: float | None,
 ) -> tuple[np.ndarray, np.ndarray]:
     """The planes along the mirror just before its foremost vertex, and just before what frames it, (4,) each.
 
     A rim over the mirror's border hides vertices from the eye. It must not hide the scene from them as well: no one
-    sees where their rays meet the rim, but all that is interpolated towards it would be wrong.
+    sees where their rays meet the rim, but all that is interpolated towards it would be wrong. Where nothing stands
+    behind the mirror, the plane lies behind its hindmost vertex, so that nothing before it is cut off; then `floor` is
+    how high along `normal` the viewpoint lies, which must stay behind the plane.
     """
+    origins, directions, hider = origins[facing], directions[facing], hider[facing]
     diagonal = float(np.linalg.norm(np.ptp(origins, axis=0)))
-    foremost = top = float((origins @ normal).max())
-
+    heights = origins @ normal
+    clearance = 1e-4 * diagonal
+    if floor is not None:
+        plane = np.append(normal, -max(float(heights.min()) - clearance, floor + 1e-2 * diagonal))
+        return plane, plane
+    foremost = top = float(heights.max())
     caster = world.caster
     start = np.full(len(origins), caster.near)
-    for _ in range(MAXIMUM_LAYERS):
+    for _ in range(MAXIMUM_LAYERS if hider.any() else 0):
         hits = caster.cast(origins, directions, start)
         framed = (hider > 0) & (hits.distance < diagonal) & (world.face_object[hits.triangle] == hider)
         if not framed.any():
             break
         start = np.where(framed, hits.distance + caster.near, start)
         top = max(top, float(((origins + start[:, None] * directions) @ normal)[framed].max()))
-    clearance = 1e-4 * diagonal
     return np.append(normal, -(foremost + clearance)), np.append(normal, -(top + clearance))
 
 
@@ -245,18 +329,21 @@ def _bounds(places: np.ndarray) -> np.ndarray:
     return np.stack([low - margin, high + margin])
 
 
-def _texels(rays: RayMesh, texcoords: np.ndarray, valid: np.ndarray, extent: np.ndarray) -> tuple[float, float]:
-    """The map's size at which nine tenths of the mirror's picture have a texel for each pixel."""
+def _texels(
+    rays: RayMesh, texcoords: np.ndarray, valid: np.ndarray, extent: np.ndarray
+) -> tuple[tuple[float, float], float]:
+    """The map's size at which nine tenths of the picture have a texel for each pixel, and the share that is used."""
     faces = rays.faces[(valid & (rays.picture[:, 2] > 0.0))[rays.faces].all(axis=1)]
     if not len(faces):
-        return (64.0, 64.0)
-    pixels = _areas((rays.picture[:, :2] / rays.picture[:, 2:])[faces])
-    density = pixels / np.maximum(_areas(texcoords[faces]), 1e-12)
+        return (64.0, 64.0), 0.0
+    places = rays.picture[:, :2] / np.where(rays.picture[:, 2:] > 0.0, rays.picture[:, 2:], 1.0)
+    pixels, shares = _areas(places[faces]), _areas(texcoords[faces])
+    density = pixels / np.maximum(shares, 1e-12)
     order = np.argsort(density)
     covered = np.cumsum(pixels[order])
     texels = density[order][np.searchsorted(covered, 0.9 * covered[-1])]
     aspect = np.clip(extent[0] / extent[1], 0.1, 10.0)
-    return float(np.sqrt(texels * aspect)), float(np.sqrt(texels / aspect))
+    return (float(np.sqrt(texels * aspect)), float(np.sqrt(texels / aspect))), float(shares.sum())
 
 
 def _areas(corners: np.ndarray) -> np.ndarray:

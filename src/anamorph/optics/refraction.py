@@ -13,7 +13,7 @@ import numpy as np
 from anamorph.errors import AnamorphError
 from anamorph.optics.dispersion import line_indices
 from anamorph.optics.exact import meet_all, pack
-from anamorph.optics.laws import refract
+from anamorph.optics.laws import fresnel, refract
 from anamorph.raymesh import RayMesh, RayStatus
 from anamorph.scene.camera import Eye
 from anamorph.scene.model import Glass, Mesh
@@ -143,7 +143,14 @@ def refracted_rays(lens: Refractor, eye: Eye, index: float | None = None) -> Ray
     status[total] = RayStatus.TOTAL_REFLECTION
     status[by_edge] = RayStatus.LEFT_BY_EDGE
     status[away] = RayStatus.BACK_FACING
-    return RayMesh(eye.picture(lens.positions), origins, distance * directions, lens.faces, status)
+    entering = 1.0 - fresnel(1.0 / index, _cosines(offset / distance, lens.normals))
+    share = np.where(total, entering, entering * (1.0 - fresnel(index, _cosines(inside, normals))))
+    return RayMesh(eye.picture(lens.positions), origins, distance * directions, lens.faces, status, share)
+
+
+def _cosines(directions: np.ndarray, normals: np.ndarray) -> np.ndarray:
+    """Cosines between unit directions and unit normals of either side, (N,)."""
+    return np.minimum(np.abs(np.einsum("ij,ij->i", directions, normals)), 1.0)
 
 
 def refracted_colors(

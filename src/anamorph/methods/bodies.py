@@ -1,0 +1,188 @@
+"""What bends light in a scene, whole: mirrors of one or more meshes, and lenses of two."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
+
+from anamorph.errors import AnamorphError
+from anamorph.methods.world import World
+from anamorph.optics.reflection import Reflector, reflected_rays, reflector
+from anamorph.optics.refraction import Refractor, refracted_colors, refracted_rays, refractor
+from anamorph.raymesh import RayMesh, RayStatus
+from anamorph.scene.camera import Eye
+from anamorph.scene.geometry import Geometry
+from anamorph.scene.lens_pairs import scene_glass
+from anamorph.scene.model import Mirror, Scene
+
+
+NEVER = 1e3
+"""In lens radii: how far from the axis a ray leaves that does not leave."""
+
+
+@dataclass(frozen=True, eq=False)
+class Side:
+    """One way to look at a body: a mirror has one, a lens has two.
+
+    Parameters
+    ----------
+    meshes : tuple of int
+        The meshes whose triangles show what the body bends.
+    optics : Reflector or Refractor
+        Their vertices, one mesh after the other, and what happens to light there.
+    triangles : (F,) int64
+        Their numbers in the scene's geometry.
+    smooth : (F,) bool
+        Whether the true surface lies off the triangle.
+    hollow : bool
+        Whether nothing else of the scene stands behind it.
+    """
+
+    meshes: tuple[int, ...]
+    optics: Reflector | Refractor
+    triangles: np.ndarray
+    smooth: np.ndarray
+    hollow: bool
+
+
+@dataclass(frozen=True, eq=False)
+class Body:
+    """A mirror or a lens.
+
+    Parameters
+    ----------
+    meshes : tuple of int
+        All of its specular meshes.
+    sides : tuple of Side
+    """
+
+    meshes: tuple[int, ...]
+    sides: tuple[Side, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class Sight:
+    """A body as one eye sees it.
+
+    Parameters
+    ----------
+    side : Side
+    rays : RayMesh
+    others : tuple of RayMesh
+        Those of red and of blue light, where the glass disperses.
+    outward : (V, 3) float64
+        At each ray's origin, which way leads away from the body.
+    """
+
+    side: Side
+    rays: RayMesh
+    others: tuple[RayMesh, ...]
+    outward: np.ndarray
+
+    @property
+    def bends(self) -> bool:
+        """Whether light goes through, so that only the ray mesh knows the rays."""
+        return isinstance(self.side.optics, Refractor)
+
+    def corner_rays(self, faces: np.ndarray) -> np.ndarray:
+        """The rays at the corners of `faces`, (F, 3, C, 2, 4), for one colour or for green, red and blue.
+
+        First the origin and the share of the light that goes this way, then the direction and how far from the axis
+        the ray leaves the lens, where the edge is at 1.
+        """
+        lens = self.side.optics
+        assert isinstance(lens, Refractor)
+        records = []
+        for rays in (self.rays, *self.others):
+            radial = rays.origins - lens.middle
+            radial = radial - np.outer(radial @ lens.axis, lens.axis)
+            reach = np.linalg.norm(radial, axis=1) / lens.radius
+            # What is reflected totally does not leave at all.
+            reach[rays.status == RayStatus.TOTAL_REFLECTION] = NEVER
+            rows = np.stack([np.column_stack([rays.origins, rays.share]), np.column_stack([rays.directions, reach])], 1)
+            records.append(rows[self.rays.faces[faces]])
+        return np.stack(records, axis=2)
+
+
+def see(body: Body, eye: Eye, dispersion: bool = True) -> Sight:
+    """The ray mesh of the side of `body` that `eye` sees most of."""
+    side = max(body.sides, key=lambda side: _facing(side, eye)) if len(body.sides) > 1 else body.sides[0]
+    optics = side.optics
+    if isinstance(optics, Reflector):
+        return Sight(side, reflected_rays(optics, eye), (), optics.normals)
+    outward = np.broadcast_to(optics.axis, optics.positions.shape)
+    if dispersion and optics.abbe is not None:
+        red, green, blue = refracted_colors(optics, eye)
+        return Sight(side, green, (red, blue), outward)
+    return Sight(side, refracted_rays(optics, eye), (), outward)
+
+
+def _facing(side: Side, eye: Eye) -> int:
+    """How many of a side's vertices turn their front to the eye."""
+    offsets = eye.offsets(side.optics.positions)
+    return int(np.count_nonzero(np.einsum("ij,ij->i", offsets, side.optics.normals) < 0.0))
+
+
+def bodies_of(scene: Scene, geometry: Geometry, world: World) -> tuple[Body, ...]:
+    """The mirrors and lenses of a scene.
+
+    Mirror meshes that share vertices are one body, as the patches of one surface are.
+
+    Raises
+    ------
+    AnamorphError
+        A mesh of glass is no face of a lens.
+    """
+    glass = scene_glass(scene)
+    if glass.others:
+        name = scene.meshes[glass.others[0]].name
+        raise AnamorphError(f"mesh {name!r}: is of glass but no face of a lens that make_lens made; use raytrace")
+    bodies = [Body(group, (_mirror_side(scene, geometry, world, group),)) for group in connected_mirrors(scene)]
+    for lens in glass.lenses:
+        faces = lens.front, lens.back
+        sides = tuple(_lens_side(scene, geometry, near, far) for near, far in (faces, faces[::-1]))
+        bodies.append(Body(faces, sides))
+    return tuple(bodies)
+
+
+def connected_mirrors(scene: Scene) -> list[tuple[int, ...]]:
+    """Indices of the mirror meshes, those together that share two vertices or more."""
+    mirrors = [index for index, mesh in enumerate(scene.meshes) if isinstance(mesh.material, Mirror)]
+    if not mirrors:
+        return []
+    positions = np.concatenate([np.asarray(scene.meshes[index].positions, float) for index in mirrors])
+    owner = np.repeat(np.arange(len(mirrors)), [len(scene.meshes[index].positions) for index in mirrors])
+    grid = 1e-6 * (float(np.ptp(positions, axis=0).max()) or 1.0)
+    _, place = np.unique(np.rint(positions / grid).astype(np.int64), axis=0, return_inverse=True)
+    touching = coo_array((np.ones(len(owner)), (owner, place.ravel()))).tocsr()
+    touching.data[:] = 1.0
+    shared = (touching @ touching.T) >= 2
+    _, label = connected_components(shared, directed=False)
+    return [tuple(mirrors[i] for i in np.flatnonzero(label == each)) for each in range(label.max() + 1)]
+
+
+def _mirror_side(scene: Scene, geometry: Geometry, world: World, group: Sequence[int]) -> Side:
+    parts = [reflector(scene.meshes[index]) for index in group]
+    starts = np.cumsum([0, *(len(part.positions) for part in parts)])
+    optics = Reflector(
+        np.concatenate([part.positions for part in parts]),
+        np.concatenate([part.normals for part in parts]),
+        np.concatenate([part.faces + start for part, start in zip(parts, starts, strict=False)]),
+    )
+    smooth = [np.full(len(part.faces), scene.meshes[i].surface is not None) for i, part in zip(group, parts, strict=True)]
+    own = tuple(index + 1 for index in group)
+    hollow = world.free_behind(optics.positions, optics.normals, own)
+    return Side(tuple(group), optics, _triangles(geometry, group), np.concatenate(smooth), hollow)
+
+
+def _lens_side(scene: Scene, geometry: Geometry, near: int, far: int) -> Side:
+    optics = refractor(scene.meshes[near], scene.meshes[far])
+    return Side((near,), optics, _triangles(geometry, (near,)), np.ones(len(optics.faces), bool), False)
+
+
+def _triangles(geometry: Geometry, meshes: Sequence[int]) -> np.ndarray:
+    return np.concatenate([np.arange(*geometry.first_face[index : index + 2]) for index in meshes])

@@ -1,0 +1,141 @@
+"""One depth of the recursion on the device: its maps, and the triangles that show them.
+
+Source: Kakimoto et al. 2007, section 4.4, which keeps surfaces and maps in a stack. Here each depth has one atlas of
+maps, in which the mirrors of the next depth are drawn with that depth's maps.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import wgpu
+
+from anamorph.gpu.atlas import Atlas, MapView
+from anamorph.gpu.bindings import SAMPLER, STORAGE, bind, layout_of, texture
+from anamorph.gpu.buffers import SceneBuffers, roomy_buffer
+from anamorph.gpu.device import get_device
+from anamorph.gpu.targets import map_sampler
+from anamorph.methods.bodies import Sight
+from anamorph.methods.warp import MapPlan
+from anamorph.projection import UNIFORM_BYTES
+
+SMOOTH, THREE_COLORS = 1, 4
+"""Flags of a triangle, as the shaders read them."""
+
+MOST_VIEWS = 6
+SIDES = MOST_VIEWS * UNIFORM_BYTES // 4
+"""The word of `PatchMaps` that says how many views count."""
+
+STRIDE = -(-(4 * SIDES + 16) // 256) * 256
+"""Bytes from one patch's maps to the next: uniforms begin at multiples of 256."""
+
+
+@dataclass(frozen=True)
+class PatchDraw:
+    """The triangles of one patch, and its number among the level's patches.
+
+    Parameters
+    ----------
+    number, first, count : int
+    bends : bool
+        Whether it is a lens.
+    """
+
+    number: int
+    first: int
+    count: int
+    bends: bool
+
+
+def level_layout() -> wgpu.GPUBindGroupLayout:
+    """The layout of group 2: what warp.wgsl declares."""
+    maps = {"buffer": {"type": "uniform", "has_dynamic_offset": True}}
+    return layout_of(
+        maps, texture(), SAMPLER, texture(filterable=False), texture(filterable=False),
+        STORAGE, STORAGE, STORAGE, STORAGE,
+        stages=wgpu.ShaderStage.VERTEX | wgpu.ShaderStage.FRAGMENT,
+    )  # fmt: skip
+
+
+class Level:
+    """The maps of one depth, and the triangles that show them."""
+
+    def __init__(
+        self, scene: SceneBuffers, layout: wgpu.GPUBindGroupLayout, antialias: int, mipmaps: bool, ends: bool
+    ) -> None:
+        self.atlas = Atlas(antialias, mipmaps, ends)
+        self.views: list[MapView] = []
+        self._scene, self._layout = scene, layout
+        self._patches: list[range] = []
+        self._triangles: list[np.ndarray] = []
+        self._data: list[np.ndarray] = []
+        self._maps: wgpu.GPUBuffer | None = None
+        self._buffers: list[wgpu.GPUBuffer | None] = [None, None]
+        self.clear()
+
+    def clear(self) -> None:
+        """Forget the last frame's maps and triangles."""
+        for contents in (self.views, self._patches, self._triangles, self._data):
+            contents.clear()
+        self._triangle_count = self._data_count = 0
+
+    def add(self, sight: Sight, faces: np.ndarray, plan: MapPlan, views: range) -> PatchDraw:
+        """Add a patch: the `faces` of a body, which show the maps of the numbers `views`."""
+        corners = np.searchsorted(plan.vertices, sight.rays.faces[faces])
+        data = np.moveaxis(plan.lookups[:, corners], 0, 2)
+        if sight.bends:
+            data = np.concatenate([data[:, :, :, None], sight.corner_rays(faces)], axis=3)
+        data = data.reshape(len(faces), -1, 4)
+        flags = np.where(sight.side.smooth[faces], SMOOTH, 0) | (THREE_COLORS if len(plan.lookups) > 1 else 0)
+        first = self._data_count + data.shape[1] * np.arange(len(faces))
+        triangles = np.stack([sight.side.triangles[faces], flags, first, np.zeros_like(first)], axis=1)
+        draw = PatchDraw(len(self._patches), self._triangle_count, len(faces), sight.bends)
+        self._patches.append(views)
+        self._triangles.append(triangles.astype(np.uint32))
+        self._data.append(data.astype(np.float32).reshape(-1, 4))
+        self._triangle_count += len(faces)
+        self._data_count += len(self._data[-1])
+        return draw
+
+    def place(self) -> None:
+        """Lay out the maps, and hand all over to the device."""
+        made = self.atlas.place(self.views)
+        contents = [np.concatenate(self._triangles), np.concatenate(self._data)]
+        buffers = [roomy_buffer(old, data.nbytes) for old, data in zip(self._buffers, contents, strict=True)]
+        maps = self._patch_maps()
+        room = self._maps is not None and self._maps.size >= maps.nbytes
+        if not room:
+            usage = wgpu.BufferUsage.UNIFORM | wgpu.BufferUsage.COPY_DST
+            self._maps = get_device().create_buffer(size=2 * maps.nbytes, usage=usage)
+        if made or not room or buffers != self._buffers:
+            self._buffers = list(buffers)
+            self._bind()
+        for buffer, data in zip([self._maps, *buffers], [maps, *contents], strict=True):
+            get_device().queue.write_buffer(buffer, 0, data)
+
+    def select(self, render_pass: wgpu.GPURenderPassEncoder, number: int) -> None:
+        """Bind group 2 for one patch."""
+        render_pass.set_bind_group(2, self._group, [STRIDE * number], 0, 1)
+
+    def _patch_maps(self) -> np.ndarray:
+        """The `PatchMaps` structures, (patches, STRIDE / 4) float32."""
+        maps = np.zeros((len(self._patches), STRIDE // 4), np.float32)
+        for row, views in zip(maps, self._patches, strict=True):
+            words = np.concatenate([self.atlas.projections[view] for view in views])
+            row[: len(words)] = words
+        maps.view(np.int32)[:, SIDES] = [len(views) for views in self._patches]
+        return maps
+
+    def _bind(self) -> None:
+        resources = [
+            {"buffer": self._maps, "offset": 0, "size": 4 * SIDES + 16},
+            self.atlas.color.create_view(),
+            map_sampler(),
+            self.atlas.depth.create_view(),
+            self.atlas.end.create_view(),
+            *self._buffers,
+            self._scene.vertices,
+            self._scene.indices,
+        ]
+        self._group = bind(self._layout, resources)

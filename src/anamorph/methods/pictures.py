@@ -1,0 +1,205 @@
+"""A frame's maps: the bodies as an eye sees them, patch by patch, and as their maps see each other.
+
+Source: Kakimoto et al. 2007, sections 4.1 and 4.4. Deviation: what is seen in a map is seen from the map's viewpoint, not
+along the rays that lead there.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import partial
+
+import numpy as np
+import wgpu
+
+from anamorph.gpu.atlas import MapKind, MapView
+from anamorph.gpu.buffers import SceneBuffers
+from anamorph.gpu.device import maximum_size
+from anamorph.methods.bodies import Body, Sight, see
+from anamorph.methods.division import divide, seen_faces
+from anamorph.methods.level import Level, PatchDraw
+from anamorph.methods.warp import MapPlan, PlanOptions, plan_map
+from anamorph.methods.world import World
+from anamorph.scene.camera import Eye
+
+LEAST, MOST = 16, 4096
+"""Texels along a side of a map."""
+
+MOST_TEXELS = 3e7
+"""Of all maps of one depth."""
+
+LEAST_SEEN = 12.0
+"""A body that spans fewer texels in a map is not worth maps of its own there."""
+
+Extra = Callable[[MapKind, wgpu.GPURenderPassEncoder], None]
+
+
+@dataclass(frozen=True, eq=False)
+class Seen:
+    """One body in a picture.
+
+    Parameters
+    ----------
+    body : Body
+    sight : Sight
+    hits : (V, 3) float64
+        Where its vertex rays meet the scene.
+    distances : (V,) float64
+        How far that is; infinite for the sky, and where no map shows the vertex.
+    plans : tuple of MapPlan
+        Of its patches.
+    """
+
+    body: Body
+    sight: Sight
+    hits: np.ndarray
+    distances: np.ndarray
+    plans: tuple[MapPlan, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class Picture:
+    """The bodies as one eye sees them.
+
+    Parameters
+    ----------
+    level : Level
+        Whose maps show them.
+    draws : tuple of PatchDraw
+    seen : tuple of Seen
+    """
+
+    level: Level
+    draws: tuple[PatchDraw, ...]
+    seen: tuple[Seen, ...]
+
+    @property
+    def replaced(self) -> tuple[int, ...]:
+        """The meshes that are drawn with it."""
+        return tuple(mesh for each in self.seen for mesh in each.body.meshes)
+
+
+@dataclass(frozen=True)
+class PictureOptions:
+    """What of the pictures one may choose: see `pervertex.Options`."""
+
+    plan: PlanOptions
+    field: float
+    resolution: float
+
+
+class Pictures:
+    """The pictures of all depths of one frame.
+
+    Parameters
+    ----------
+    world : World
+    bodies : tuple of Body
+    levels : sequence of Level
+        One for each bounce.
+    options : PictureOptions
+    draw : callable
+        Draws a picture into a pass.
+    """
+
+    def __init__(
+        self,
+        world: World,
+        bodies: tuple[Body, ...],
+        levels: Sequence[Level],
+        options: PictureOptions,
+        draw: Callable[[Picture, MapKind, wgpu.GPURenderPassEncoder], None],
+    ) -> None:
+        self._world, self._bodies, self._levels, self._options, self._draw = world, bodies, levels, options, draw
+
+    def plan(self, eye: Eye, position: np.ndarray, extra: Extra | None = None) -> Picture | None:
+        """Plan all that an eye at `position` sees; `extra` draws into the maps of the first bounce."""
+        for level in self._levels:
+            level.clear()
+        hiders = [self._world.hiders(position, _points(body, eye)) for body in self._bodies]
+        picture = self._seen_by(eye, 0, self._bodies, hiders, extra)
+        for level in self._levels:
+            if level.views:
+                level.place()
+        return picture
+
+    def draw_maps(self, encoder: wgpu.GPUCommandEncoder, buffers: SceneBuffers, kinds: Sequence[MapKind]) -> None:
+        """Draw all maps, those of the last bounce first."""
+        for level in reversed(self._levels):
+            for kind in kinds if level.views else ():
+                level.atlas.draw(encoder, buffers, kind)
+
+    def _seen_by(
+        self, eye: Eye, depth: int, bodies: Sequence[Body], hiders: Sequence[np.ndarray], extra: Extra | None = None
+    ) -> Picture | None:
+        level, draws, seen = self._levels[depth], [], []
+        for body, hider in zip(bodies, hiders, strict=True):
+            sight = see(body, eye)
+            hits = np.zeros((len(hider), 3))
+            distances = np.full(len(hider), np.inf)
+            plans = []
+            for faces in divide(sight.rays, seen_faces(sight.rays), np.radians(self._options.field)):
+                plan = plan_map(sight, faces, hider, self._world, self._options.plan)
+                if plan is None:
+                    continue
+                size = self._size(plan)
+                views = [self._view(body, plan, number, size, depth, extra) for number in range(len(plan.projections))]
+                first = len(level.views)
+                level.views.extend(views)
+                draws.append(level.add(sight, faces, plan, range(first, first + len(views))))
+                hits[plan.vertices], distances[plan.vertices] = plan.hits, plan.distances
+                plans.append(plan)
+            if plans:
+                seen.append(Seen(body, sight, hits, distances, tuple(plans)))
+        return Picture(level, tuple(draws), tuple(seen)) if draws else None
+
+    def _size(self, plan: MapPlan) -> tuple[int, int]:
+        largest = min(MOST, maximum_size())
+        width, height = (int(np.clip(self._options.resolution * texels, LEAST, largest)) for texels in plan.texels)
+        return width, height
+
+    def _view(
+        self, body: Body, plan: MapPlan, number: int, size: tuple[int, int], depth: int, extra: Extra | None
+    ) -> MapView:
+        """One map of a plan, with what other bodies show in it."""
+        projection = plan.projections[number]
+        visible = self._world.visible(projection.clip)
+        inner = None
+        if depth + 1 < len(self._levels):
+            eye = plan.eye(number, size)
+            others = [
+                other
+                for other in self._bodies
+                if other is not body and visible[list(other.meshes)].any() and _extent(other, eye) >= LEAST_SEEN
+            ]
+            inner = self._seen_by(eye, depth + 1, others, [np.zeros(len(_points(other, eye)), int) for other in others])
+        extras = [partial(self._draw, inner)] if inner is not None else []
+        extras += [extra] if extra is not None else []
+        return MapView(
+            projection,
+            size,
+            visible,
+            fronts=body.meshes,
+            replaced=() if inner is None else inner.replaced,
+            sky=number == 0,
+            extra=partial(_each, extras) if extras else None,
+        )
+
+
+def _each(extras: Sequence[Extra], kind: MapKind, render_pass: wgpu.GPURenderPassEncoder) -> None:
+    for extra in extras:
+        extra(kind, render_pass)
+
+
+def _points(body: Body, eye: Eye) -> np.ndarray:
+    """Where lines of sight meet the side of a body that is seen."""
+    return see(body, eye, dispersion=False).side.optics.positions
+
+
+def _extent(body: Body, eye: Eye) -> float:
+    """How many texels a body spans at most, in a map; infinite where it reaches behind it."""
+    places = eye.picture(np.concatenate([side.optics.positions for side in body.sides]))
+    if places[:, 2].min() <= 0.0:
+        return np.inf
+    return float(np.ptp(places[:, :2] / places[:, 2:], axis=0).max())

@@ -1,0 +1,72 @@
+"""What the rays of a warp may hit, and what its maps may see."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from anamorph.rays import Caster
+from anamorph.scene.geometry import Geometry
+
+
+@dataclass(frozen=True, eq=False)
+class World:
+    """A scene around its mirrors.
+
+    Parameters
+    ----------
+    caster : Caster
+    face_object : (F,) uint32
+        The object of each triangle that it casts at.
+    corners : (8, 3) float64
+        Corners of a box around the scene.
+    mesh_corners : (meshes, 8, 3) float64
+        Corners of the boxes around its meshes.
+    diagonal : float
+        Of the box around the scene, metres.
+    """
+
+    caster: Caster
+    face_object: np.ndarray
+    corners: np.ndarray
+    mesh_corners: np.ndarray
+    diagonal: float
+
+    def visible(self, clip: np.ndarray) -> np.ndarray:
+        """Which meshes, (meshes,) bool, may be seen through a projection whose `clip` is (4, 4)."""
+        x, y, z, w = np.moveaxis(self.mesh_corners @ clip[:, :3].T + clip[:, 3], -1, 0)
+        # A box is out of sight where one plane of the view volume has all its corners on the other side.
+        planes = (w + x, w - x, w + y, w - y, w - z, z)
+        return np.all([(plane >= 0.0).any(axis=1) for plane in planes], axis=0)
+
+    def hiders(self, eye: np.ndarray, points: np.ndarray) -> np.ndarray:
+        """The object that hides each of `points` (N, 3) from an eye, (N,); 0 for none."""
+        sight = self.caster.cast(np.broadcast_to(eye, points.shape), points - eye)
+        hidden = (sight.triangle >= 0) & (sight.distance < 1.0 - 1e-4)
+        return np.where(hidden, self.face_object[sight.triangle], 0)
+
+    def free_behind(self, points: np.ndarray, outward: np.ndarray, own: tuple[int, ...]) -> bool:
+        """Whether nothing stands behind a surface, at `points` with normals `outward`, but itself.
+
+        `own` are the numbers of its objects. Looked for as far as the surface is large.
+        """
+        reach = float(np.linalg.norm(np.ptp(points, axis=0)))
+        hits = self.caster.cast(points, -outward, 1e-4 * reach)
+        foreign = (hits.triangle >= 0) & (hits.distance < reach)
+        return not (foreign & ~np.isin(self.face_object[hits.triangle], own)).any()
+
+
+def world_of(geometry: Geometry) -> World:
+    """The world of a scene's geometry."""
+    first = geometry.first_vertex
+    boxes = [_box(geometry.positions[start:stop]) for start, stop in zip(first[:-1], first[1:], strict=True)]
+    corners = _box(geometry.positions)
+    diagonal = float(np.linalg.norm(np.ptp(corners, axis=0)))
+    return World(Caster(geometry), geometry.face_object, corners, np.stack(boxes), diagonal)
+
+
+def _box(positions: np.ndarray) -> np.ndarray:
+    """The corners, (8, 3) float64, of the box around points."""
+    low, high = (positions.min(axis=0), positions.max(axis=0)) if len(positions) else np.zeros((2, 3))
+    return np.stack(np.meshgrid(*np.stack([low, high], axis=1)), axis=-1).reshape(-1, 3).astype(float)

@@ -1,0 +1,104 @@
+"""Which meshes of a scene are the two faces of one lens."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
+
+from anamorph.scene.model import Glass, Mesh, Scene
+
+
+@dataclass(frozen=True)
+class LensPair:
+    """A lens among the meshes of a scene.
+
+    Parameters
+    ----------
+    name : str
+        What its meshes' names have in common, before the last "/".
+    front, back : int
+        Indices of the two faces of glass.
+    edge : int, optional
+        Index of the matt band between them; None where there is none.
+    """
+
+    name: str
+    front: int
+    back: int
+    edge: int | None
+
+
+@dataclass(frozen=True)
+class SceneGlass:
+    """Every mesh of glass in a scene, each in one of two places.
+
+    Parameters
+    ----------
+    lenses : tuple of LensPair
+        In the order of their fronts.
+    others : tuple of int
+        Indices of the meshes that are no face of a lens.
+    """
+
+    lenses: tuple[LensPair, ...]
+    others: tuple[int, ...]
+
+
+def scene_glass(scene: Scene) -> SceneGlass:
+    """Find the lenses of a scene, by the names that `lens_between` gives.
+
+    NAME/front and NAME/back are a lens if both are of glass of the same index and Abbe number, both carry an exact
+    surface, and the triangles of each have one border, a closed line. A name that several meshes share is no lens.
+
+    Parameters
+    ----------
+    scene : Scene
+
+    Returns
+    -------
+    SceneGlass
+    """
+    named = defaultdict(list)
+    for number, mesh in enumerate(scene.meshes):
+        named[mesh.name].append(number)
+
+    def alone(name: str) -> int | None:
+        found = named.get(name, [])
+        return found[0] if len(found) == 1 else None
+
+    lenses = []
+    for mesh in scene.meshes:
+        name, slash, side = mesh.name.rpartition("/")
+        front, back, edge = (alone(f"{name}/{part}") for part in ("front", "back", "edge"))
+        if slash + side != "/front" or front is None or back is None or not _faces_of_one(mesh, scene.meshes[back]):
+            continue
+        matt = edge is not None and not scene.meshes[edge].specular
+        lenses.append(LensPair(name, front, back, edge if matt else None))
+    faces = {number for lens in lenses for number in (lens.front, lens.back)}
+    others = (i for i, mesh in enumerate(scene.meshes) if isinstance(mesh.material, Glass) and i not in faces)
+    return SceneGlass(tuple(lenses), tuple(others))
+
+
+def _faces_of_one(front: Mesh, back: Mesh) -> bool:
+    glass, other = front.material, back.material
+    if not isinstance(glass, Glass) or not isinstance(other, Glass):
+        return False
+    same = (glass.index, glass.abbe) == (other.index, other.abbe)
+    exact = all(face.surface is not None and face.parameters is not None for face in (front, back))
+    return same and exact and has_one_border(front) and has_one_border(back)
+
+
+def has_one_border(mesh: Mesh) -> bool:
+    """Whether the edges that only one triangle has form one closed line."""
+    edges = np.sort(np.concatenate([mesh.faces[:, pair] for pair in ([0, 1], [1, 2], [2, 0])]), axis=1)
+    edges, uses = np.unique(edges, axis=0, return_counts=True)
+    vertices, ends = np.unique(edges[uses == 1], return_inverse=True)
+    if not len(vertices) or (np.bincount(ends.ravel()) != 2).any():
+        return False
+    start, stop = ends.reshape(-1, 2).T
+    graph = coo_array((np.ones(len(start)), (start, stop)), shape=(len(vertices), len(vertices)))
+    return bool(connected_components(graph, directed=False, return_labels=False) == 1)

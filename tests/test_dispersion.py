@@ -11,9 +11,14 @@ from test_raytrace_frames import SmallDevice
 
 from anamorph.errors import AnamorphError
 from anamorph.frame import Status, View
+from anamorph.gpu.device import get_device
+from anamorph.gpu.drawing import bind_scene, submit
+from anamorph.gpu.targets import COLOR_FORMAT, begin_pass, make_target, read_texture
 from anamorph.methods import tiles
 from anamorph.methods.paths import PathTracer, specular_rectangle
+from anamorph.methods.session import Stage
 from anamorph.optics.dispersion import line_indices
+from anamorph.projection import camera_projection
 from anamorph.rays import Caster
 from anamorph.rendering import draw_frame
 from anamorph.scene import builtin
@@ -224,6 +229,29 @@ def test_a_frame_without_dispersed_pixels_keeps_none_of_the_frame_before():
     session.draw(away)
     frame, plain = session.frame(seen=True), drawn(scene, "raytrace:dispersion=false", camera=away)
     assert (frame.color == plain.color).all() and (frame.specular == 0).all()
+
+
+def test_tiles_written_without_colours_show_greens_way_in_all_of_them():
+    """Also where they had colours before."""
+    scene = lens_in_a_mirror()
+    stage, corner = Stage(View(scene, scene.camera, SIZE)), np.array([[0, 0]])
+    stage.projection.write(camera_projection(scene.camera, SIZE), SIZE)
+    tracer = PathTracer(scene, stage.geometry, Caster(stage.geometry))
+    records = tracer.trace(scene.camera, SIZE)
+    colors = tracer.trace_colors(scene.camera, SIZE, corner, SIZE, (0.0, 0.0), records)
+    written = tiles.Tiles(stage.buffers)
+    pictures = []
+    for given in (None, colors, None):
+        written.write(corner, SIZE, records, given)
+        target = make_target(SIZE, (COLOR_FORMAT,))
+        encoder = get_device().create_command_encoder()
+        render_pass = begin_pass(encoder, target)
+        bind_scene(render_pass, stage.buffers, stage.projection)
+        written.draw_color(render_pass)
+        render_pass.end()
+        submit(encoder)
+        pictures.append(read_texture(target.textures[0]))
+    assert (pictures[0] == pictures[2]).all() and (pictures[0] != pictures[1]).any()
 
 
 def test_where_one_colour_is_totally_reflected_and_another_is_not():

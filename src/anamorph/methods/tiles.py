@@ -45,11 +45,11 @@ class Tiles:
         """
         queue = get_device().queue
         self._count = len(corners)
-        self._disperses = bool(self._count and colors is not None and colors.size)
+        red_and_blue = (None, None) if colors is None or not colors.size else colors
+        self._disperses = red_and_blue is colors
         if not self._count:
             return
-        lines = colors if colors is not None and self._disperses else (None, None)
-        contents = [np.ascontiguousarray(corners, np.uint32), records, *lines]
+        contents = [np.ascontiguousarray(corners, np.uint32), records, *red_and_blue]
         rooms = [
             room if content is None else _room(room, content.nbytes)
             for room, content in zip(self._rooms, contents, strict=True)
@@ -94,14 +94,13 @@ class Tiles:
         return red, blue
 
     def _pipeline(self, fragment: str, formats: tuple[str, ...], **settings: Any) -> wgpu.GPURenderPipeline:
-        groups = (self._layout,)
         return make_pipeline(
             self._module,
             "tile_vertex",
             fragment,
             formats,
             buffers=(),
-            groups=groups,
+            groups=(self._layout,),
             depth_compare="always",
             **settings,
         )

@@ -62,7 +62,7 @@ def make_pipeline(
     depth_compare: str = "greater",
     depth_write: bool = True,
     topology: str = "triangle-list",
-    color_write: bool = True,
+    write_mask: int = wgpu.ColorWrite.ALL,
     cull: str = "none",
     mirrored: bool = False,
     constants: dict[str, float] | None = None,
@@ -77,7 +77,7 @@ def make_pipeline(
             "module": module,
             "entry_point": fragment,
             "constants": constants or {},
-            "targets": [{"format": form, "write_mask": 15 if color_write else 0} for form in formats],
+            "targets": [{"format": form, "write_mask": write_mask} for form in formats],
         },
         primitive={"topology": topology, "cull_mode": cull, "front_face": "cw" if mirrored else "ccw"},
         depth_stencil={
@@ -118,7 +118,7 @@ def _scene_pipelines(
         return make_pipeline(module, vertex, fragment, formats, samples=samples, mirrored=mirrored, **settings)
 
     return ScenePipelines(
-        depth=pipeline("depth_vertex", "no_color", color_write=False),
+        depth=pipeline("depth_vertex", "no_color", write_mask=0),
         meshes=pipeline("scene_vertex", meshes, depth_compare="equal", depth_write=False),
         backs=pipeline("scene_vertex", meshes, cull="front"),
         stand_ins=pipeline("scene_vertex", stand_ins, cull="back"),

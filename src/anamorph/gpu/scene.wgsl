@@ -50,6 +50,7 @@ const STATUS_DIRECT = 0u;
 const STATUS_WARPED = 1u;
 const STATUS_REFINED = 2u;
 const STATUS_SKY = 4u;
+const STATUS_TOTAL_REFLECTION = 5u;
 const STATUS_OUTSIDE = 6u;
 
 fn seen_flags(specular: u32, status: u32) -> u32 {

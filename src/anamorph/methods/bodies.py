@@ -20,10 +20,6 @@ from anamorph.scene.lens_pairs import scene_glass
 from anamorph.scene.model import Mirror, Scene
 
 
-NEVER = 1e3
-"""In lens radii: how far from the axis a ray leaves that does not leave."""
-
-
 @dataclass(frozen=True, eq=False)
 class Side:
     """One way to look at a body: a mirror has one, a lens has two.
@@ -40,6 +36,8 @@ class Side:
         Whether the true surface lies off the triangle.
     hollow : bool
         Whether nothing else of the scene stands behind it.
+    edge : int
+        The object number of a lens's edge; 0 for none.
     """
 
     meshes: tuple[int, ...]
@@ -47,6 +45,7 @@ class Side:
     triangles: np.ndarray
     smooth: np.ndarray
     hollow: bool
+    edge: int = 0
 
 
 @dataclass(frozen=True, eq=False)
@@ -89,23 +88,23 @@ class Sight:
         return isinstance(self.side.optics, Refractor)
 
     def corner_rays(self, faces: np.ndarray) -> np.ndarray:
-        """The rays at the corners of `faces`, (F, 3, C, 2, 4), for one colour or for green, red and blue.
+        """A lens's rays at the corners of `faces`, (F, 3, C, 2, 4), for one colour or for green, red and blue.
 
-        First the origin and the share of the light that goes this way, then the direction and how far from the axis
-        the ray leaves the lens, where the edge is at 1.
+        First the origin and the share of the light that goes this way, then the direction and 1 where reflection in
+        the glass is total.
         """
-        lens = self.side.optics
-        assert isinstance(lens, Refractor)
         records = []
         for rays in (self.rays, *self.others):
-            radial = rays.origins - lens.middle
-            radial = radial - np.outer(radial @ lens.axis, lens.axis)
-            reach = np.linalg.norm(radial, axis=1) / lens.radius
-            # What is reflected totally does not leave at all.
-            reach[rays.status == RayStatus.TOTAL_REFLECTION] = NEVER
-            rows = np.stack([np.column_stack([rays.origins, rays.share]), np.column_stack([rays.directions, reach])], 1)
+            total = rays.status == RayStatus.TOTAL_REFLECTION
+            rows = np.stack([np.column_stack([rays.origins, rays.share]), np.column_stack([rays.directions, total])], 1)
             records.append(rows[self.rays.faces[faces]])
         return np.stack(records, axis=2)
+
+    def edge(self) -> np.ndarray:
+        """A lens's edge, (2, 4): the middle of its far border and its object number; its axis, and its radius."""
+        lens = self.side.optics
+        assert isinstance(lens, Refractor)
+        return np.array([[*lens.middle, self.side.edge], [*lens.axis, lens.radius]])
 
 
 def see(body: Body, eye: Eye, dispersion: bool = True) -> Sight:
@@ -144,7 +143,8 @@ def bodies_of(scene: Scene, geometry: Geometry, world: World) -> tuple[Body, ...
     bodies = [Body(group, (_mirror_side(scene, geometry, world, group),)) for group in connected_mirrors(scene)]
     for lens in glass.lenses:
         faces = lens.front, lens.back
-        sides = tuple(_lens_side(scene, geometry, near, far) for near, far in (faces, faces[::-1]))
+        edge = 0 if lens.edge is None else lens.edge + 1
+        sides = tuple(_lens_side(scene, geometry, near, far, edge) for near, far in (faces, faces[::-1]))
         bodies.append(Body(faces, sides))
     return tuple(bodies)
 
@@ -179,9 +179,9 @@ def _mirror_side(scene: Scene, geometry: Geometry, world: World, group: Sequence
     return Side(tuple(group), optics, _triangles(geometry, group), np.concatenate(smooth), hollow)
 
 
-def _lens_side(scene: Scene, geometry: Geometry, near: int, far: int) -> Side:
+def _lens_side(scene: Scene, geometry: Geometry, near: int, far: int, edge: int) -> Side:
     optics = refractor(scene.meshes[near], scene.meshes[far])
-    return Side((near,), optics, _triangles(geometry, (near,)), np.ones(len(optics.faces), bool), False)
+    return Side((near,), optics, _triangles(geometry, (near,)), np.ones(len(optics.faces), bool), False, edge)
 
 
 def _triangles(geometry: Geometry, meshes: Sequence[int]) -> np.ndarray:

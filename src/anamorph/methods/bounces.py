@@ -41,7 +41,9 @@ class World(NamedTuple):
     tint: np.ndarray
     """(objects + 1, 3) float64"""
     constant: np.ndarray
-    """(objects + 1,) float64: a mirror's reflectance, a glass's refractive index."""
+    """(objects + 1,) float64: a mirror's reflectance, a glass's refractive index for the light that is followed."""
+    disperses: np.ndarray
+    """(objects + 1,) bool: whether light of other colours takes other ways through this object."""
     surface: np.ndarray
     """(objects + 1,) int64: the kind of exact surface, from `exact.pack`."""
     numbers: np.ndarray
@@ -72,6 +74,8 @@ class Paths(NamedTuple):
     """(N,) int64"""
     total: np.ndarray
     """(N,) bool: whether some reflection was total."""
+    dispersed: np.ndarray
+    """(N,) bool: whether some glass disperses that was met."""
     left: np.ndarray
     """(N,) int64: the object that the ray leaves, positive on its outside and negative inside; 0 for the eye."""
     skin: np.ndarray
@@ -93,6 +97,7 @@ class Paths(NamedTuple):
             specular=number(count, integer),
             bounces=number(count, integer),
             total=number(count, np.bool_),
+            dispersed=number(count, np.bool_),
             left=number(count, integer),
             skin=number(count),
         )
@@ -126,7 +131,7 @@ def start(
         )
         for axis in range(3):
             paths.origin[i, axis], paths.direction[i, axis], paths.throughput[i, axis] = eye[axis], direction[axis], 1.0
-        paths.near[i], paths.pixel[i], paths.total[i] = 0.0, i, False
+        paths.near[i], paths.pixel[i], paths.total[i], paths.dispersed[i] = 0.0, i, False, False
         paths.specular[i], paths.bounces[i], paths.left[i], paths.skin[i] = 0, 0, 0, 0.0
 
 
@@ -164,7 +169,7 @@ def _finish(records: np.ndarray, words: np.ndarray, paths: Paths, i: int, limite
     words[record, 7] = np.uint32(paths.specular[i] | (status << 16) | (paths.bounces[i] << 24))
     records[record, 11] = paths.distance[i]
     records[record, 12], records[record, 13] = paths.barycentric[i, 0], paths.barycentric[i, 1]
-    records[record, 14], records[record, 15] = 0.0, 0.0
+    words[record, 14], records[record, 15] = np.uint32(paths.dispersed[i]), 0.0
 
 
 @compiled
@@ -339,7 +344,7 @@ def advance(
                 _finish(records, words, paths, i, True)
                 continue
 
-        share, tinted, total = 1.0, False, paths.total[i]
+        share, tinted, total, dispersed = 1.0, False, paths.total[i], paths.dispersed[i]
         if passes:
             near = paths.distance[i] * (1.0 + 1e-6) + world.near
         else:
@@ -347,7 +352,7 @@ def advance(
                 world, item, face, origin, direction, paths.distance[i], vertex_origins, vertex_directions
             )
             tinted = material == MIRROR or crosses
-            total = total or not tinted
+            total, dispersed = total or not tinted, dispersed or world.disperses[item]
             left = item if outside != crosses else -item
             near, skin = world.near, longest if curved else 100.0 * world.near
         for axis in range(3):
@@ -356,6 +361,7 @@ def advance(
             paths.throughput[going, axis] = paths.throughput[i, axis] * factor
         paths.pixel[going], paths.specular[going] = paths.pixel[i], paths.specular[i]
         paths.bounces[going], paths.total[going] = paths.bounces[i] + (0 if passes else 1), total
+        paths.dispersed[going] = dispersed
         paths.left[going], paths.skin[going], paths.near[going] = left, skin, near
         going += 1
     return going

@@ -71,5 +71,5 @@ fn refractor_error(fragment: RefractorFragment) -> @location(0) f32 {
     let right = Ray(dpdx(ray.origin), dpdx(ray.direction));
     let below = Ray(dpdy(ray.origin), dpdy(ray.direction));
     let start = start_of(fragment.lookup_green);
-    return error_in_pixels(ray, right, below, find(start, ray), inside_map(start, fragment.lookup_green.w) && leaves(fragment));
+    return error_in_pixels(ray, right, below, find(start, ray), way_of(fragment, start) == LEAVES);
 }

@@ -2,9 +2,6 @@
 // Kakimoto et al. 2007, section 4.5. Follows warp.wgsl.
 
 const THREE_COLORS = 4u;
-// What is seen in the glass where no light passes: about the matt edge of a lens.
-const EDGE = vec3f(0.14, 0.15, 0.15);
-
 struct RefractorFragment {
     @builtin(position) @invariant pixel: vec4f,
     // Object number and flags.
@@ -13,7 +10,7 @@ struct RefractorFragment {
     @location(1) lookup_green: vec4f,
     // Where the ray leaves the lens, and the share of the light that goes this way.
     @location(2) origin_green: vec4f,
-    // Its direction, and how far from the axis it leaves, in radii of the lens.
+    // Its direction, and 1 where reflection in the glass is total.
     @location(3) direction_green: vec4f,
     @location(4) lookup_red: vec4f,
     @location(5) origin_red: vec4f,
@@ -21,6 +18,10 @@ struct RefractorFragment {
     @location(7) lookup_blue: vec4f,
     @location(8) origin_blue: vec4f,
     @location(9) direction_blue: vec4f,
+    // The middle of the far face's border, and the object number of the edge.
+    @location(10) @interpolate(flat) middle: vec4f,
+    // The lens's axis, and its radius.
+    @location(11) @interpolate(flat) axis: vec4f,
 }
 
 @vertex
@@ -29,7 +30,7 @@ fn refractor_vertex(@builtin(vertex_index) index: u32) -> RefractorFragment {
     let corner = index % 3u;
     let vertex = vertices[indices[3u * triangle.face + corner]];
     let colors = select(1u, 3u, (triangle.flags & THREE_COLORS) != 0u);
-    let first = triangle.data + 3u * colors * corner;
+    let first = triangle.data + 2u + 3u * colors * corner;
     let red = first + 3u * min(1u, colors - 1u);
     let blue = first + 3u * min(2u, colors - 1u);
     return RefractorFragment(
@@ -38,6 +39,7 @@ fn refractor_vertex(@builtin(vertex_index) index: u32) -> RefractorFragment {
         corner_data[first], corner_data[first + 1u], corner_data[first + 2u],
         corner_data[red], corner_data[red + 1u], corner_data[red + 2u],
         corner_data[blue], corner_data[blue + 1u], corner_data[blue + 2u],
+        corner_data[triangle.data], corner_data[triangle.data + 1u],
     );
 }
 
@@ -45,9 +47,35 @@ fn refraction(origin: vec4f, direction: vec4f) -> Ray {
     return Ray(origin.xyz, normalize(direction.xyz));
 }
 
-// Whether the ray leaves by the far face, and not by the edge.
-fn leaves(fragment: RefractorFragment) -> bool {
-    return fragment.direction_green.w <= 1.0;
+// What becomes of a ray in the glass.
+const LEAVES = 0u;
+const LEFT_BY_EDGE = 1u;
+const TOTAL = 2u;
+const LOST = 3u;
+
+fn from_axis(fragment: RefractorFragment) -> vec3f {
+    let offset = fragment.origin_green.xyz - fragment.middle.xyz;
+    return offset - dot(offset, fragment.axis.xyz) * fragment.axis.xyz;
+}
+
+fn way_of(fragment: RefractorFragment, start: Place) -> u32 {
+    if length(from_axis(fragment)) > fragment.axis.w {
+        return LEFT_BY_EDGE;
+    }
+    if fragment.direction_green.w > 0.0 {
+        return TOTAL;
+    }
+    return select(LOST, LEAVES, inside_map(start, fragment.lookup_green.w));
+}
+
+// The matt edge, seen from within the glass.
+fn edge_color(fragment: RefractorFragment) -> vec3f {
+    var point: SurfacePoint;
+    point.position = fragment.origin_green.xyz;
+    point.normal = normalize(from_axis(fragment));
+    point.color = vec3f(1.0);
+    point.object = u32(max(fragment.middle.w, 1.0));
+    return select(vec3f(0.0), shade(point, fragment.direction_green.xyz), fragment.middle.w > 0.0);
 }
 
 fn refracted_color(fragment: RefractorFragment) -> vec4f {
@@ -62,8 +90,11 @@ fn refracted_color(fragment: RefractorFragment) -> vec4f {
         color.r = found_color(start_of(fragment.lookup_red), red, dx, dy).r;
         color.b = found_color(start_of(fragment.lookup_blue), blue, dx, dy).b;
     }
-    if !inside_map(green, fragment.lookup_green.w) || !leaves(fragment) {
-        return vec4f(EDGE * mix(lighting.ambient_ground, lighting.ambient_sky, 0.5), 1.0);
+    let way = way_of(fragment, green);
+    if way == LEFT_BY_EDGE || way == TOTAL {
+        color = edge_color(fragment);
+    } else if way == LOST {
+        color = sky_color(fragment.direction_green.xyz, projection.base.w);
     }
     return vec4f(fragment.origin_green.w * tint * tint * color, 1.0);
 }
@@ -79,22 +110,35 @@ fn refractor_color_and_depth(fragment: RefractorFragment) -> ColorAndDepth {
     return ColorAndDepth(refracted_color(fragment), depth);
 }
 
-@fragment
-fn refractor_end(fragment: RefractorFragment) -> @location(0) vec4f {
+// Where a fragment's path ends, and how it was found.
+struct Refracted {
+    end: vec4f,
+    status: u32,
+    deviation: f32,
+}
+
+fn refracted(fragment: RefractorFragment) -> Refracted {
     let ray = refraction(fragment.origin_green, fragment.direction_green);
     let start = start_of(fragment.lookup_green);
-    let known = inside_map(start, fragment.lookup_green.w) && leaves(fragment);
-    return select(vec4f(ray.direction, 0.0), end_of(find(start, ray)), known);
+    let edge = vec4f(ray.origin, fragment.middle.w);
+    switch way_of(fragment, start) {
+        case LEFT_BY_EDGE: { return Refracted(edge, STATUS_WARPED, 0.0); }
+        case TOTAL: { return Refracted(edge, STATUS_TOTAL_REFLECTION, 0.0); }
+        case LOST: { return Refracted(vec4f(ray.direction, 0.0), STATUS_OUTSIDE, 0.0); }
+        default: {}
+    }
+    let found = find(start, ray);
+    let end = end_of(found);
+    return Refracted(end, warped_status(found, start, end), found.deviation);
+}
+
+@fragment
+fn refractor_end(fragment: RefractorFragment) -> @location(0) vec4f {
+    return refracted(fragment).end;
 }
 
 @fragment
 fn refractor_seen(fragment: RefractorFragment) -> Seen {
-    let ray = refraction(fragment.origin_green, fragment.direction_green);
-    let start = start_of(fragment.lookup_green);
-    if !inside_map(start, fragment.lookup_green.w) || !leaves(fragment) {
-        return Seen(vec4f(ray.direction, 0.0), seen_flags(fragment.object.x, STATUS_OUTSIDE), 0.0);
-    }
-    let found = find(start, ray);
-    let end = end_of(found);
-    return Seen(end, seen_flags(fragment.object.x, warped_status(found, start, end)), found.deviation);
+    let seen = refracted(fragment);
+    return Seen(seen.end, seen_flags(fragment.object.x, seen.status), seen.deviation);
 }

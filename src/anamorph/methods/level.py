@@ -87,6 +87,8 @@ class Level:
         if sight.bends:
             data = np.concatenate([data[:, :, :, None], sight.corner_rays(faces)], axis=3)
         data = data.reshape(len(faces), -1, 4)
+        if sight.bends:
+            data = np.concatenate([np.broadcast_to(sight.edge(), (len(faces), 2, 4)), data], axis=1)
         flags = np.where(sight.side.smooth[faces], SMOOTH, 0) | (THREE_COLORS if len(plan.lookups) > 1 else 0)
         first = self._data_count + data.shape[1] * np.arange(len(faces))
         triangles = np.stack([sight.side.triangles[faces], flags, first, np.zeros_like(first)], axis=1)

@@ -46,7 +46,8 @@ class Mender:
                 self._batches.append(Tiles(self._stage.buffers))
             part = corners[first : first + at_once]
             records = self._tracer.trace_tiles(camera, self._stage.view.size, part, TILE, shift)
-            self._batches[self._used].write(part, TILE, records)
+            colors = self._tracer.trace_colors(camera, self._stage.view.size, part, TILE, shift, records)
+            self._batches[self._used].write(part, TILE, records, colors)
             self._used += 1
 
     def draw_over(self, target: Target, projection: ProjectionUniform) -> None:

@@ -9,6 +9,7 @@ import numpy as np
 from anamorph.compiled import over_all_cores
 from anamorph.errors import AnamorphError
 from anamorph.methods.bounces import DIFFUSE, GLASS, MIRROR, WORDS, Paths, World, advance, start
+from anamorph.optics.dispersion import line_indices
 from anamorph.optics.exact import pack
 from anamorph.optics.reflection import reflected_rays, reflector
 from anamorph.rays import Caster
@@ -37,6 +38,11 @@ class PathTracer:
     truth : str
         "surface": rays bend at the exact surface, or at the interpolated normal of a mesh that has none.
         "raymesh": the first bounce sends on the interpolated ray of the mirror's ray mesh; later ones are as above.
+
+    Attributes
+    ----------
+    disperses : bool
+        Whether some glass of the scene sends colours different ways.
     """
 
     def __init__(
@@ -47,7 +53,8 @@ class PathTracer:
         if not 0 <= max_bounces <= 255:
             raise AnamorphError(f"max_bounces is {max_bounces}; choose 0 to 255")
         self._caster = caster
-        self._world = _world(scene, geometry, caster.near, max_bounces)
+        self._red, self._green, self._blue = _worlds(scene, geometry, caster.near, max_bounces)
+        self.disperses = bool(self._green.disperses.any())
         self._reflectors = [
             (int(geometry.first_vertex[number]), reflector(mesh))
             for number, mesh in enumerate(scene.meshes)
@@ -91,11 +98,14 @@ class PathTracer:
             8:11    throughput: what share of the light at the path's end arrives, by colour
             11      distance along the last ray, metres; infinite for the sky
             12:14   weights of the end triangle's second and third vertex
-            14:16   zero
+            14      1 (uint32 bits) where the path has met glass that disperses, else 0; see `trace_colors`
+            15      zero
             ======= ==========================================================================================
 
             Status is OUTSIDE where the bounce limit ended the path (on the specular triangle it had reached), else
             TOTAL_REFLECTION where some reflection was total, else SKY, DIRECT (no bounce) or TRACED.
+
+            Light is that of the d line: what glass that disperses does to green.
         """
         x0, y0, x1, y1 = rectangle or (0, 0, *size)
         return self.trace_tiles(camera, size, np.array([[x0, y0]]), (max(x1 - x0, 0), max(y1 - y0, 0)), shift, records)
@@ -120,6 +130,53 @@ class PathTracer:
         tile : (columns, rows)
             The size of all tiles.
         """
+        return self._trace(self._green, camera, size, corners, tile, shift, records)
+
+    def trace_colors(
+        self,
+        camera: Camera,
+        size: tuple[int, int],
+        corners: np.ndarray,
+        tile: tuple[int, int],
+        shift: tuple[float, float],
+        records: np.ndarray,
+    ) -> np.ndarray:
+        """Trace red and blue light, of the C and F lines, for the pixels whose path has met glass that disperses.
+
+        Parameters
+        ----------
+        camera, size, corners, tile, shift
+            As for `trace_tiles`.
+        records : (pixels, 16) float32
+            What `trace_tiles` returned. Word 14 is set to the row of the pixel's paths in the result, counted from 1.
+
+        Returns
+        -------
+        colors : (2, pixels that disperse, 16) float32
+            Records of red light, then of blue, in the order of `records`.
+        """
+        words = records.view(np.uint32)
+        numbers = np.flatnonzero(words[:, 14]) if self.disperses else np.zeros(0, np.int64)
+        words[numbers, 14] = np.arange(1, len(numbers) + 1)
+        columns, rows = tile
+        number, place = np.divmod(numbers, columns * rows)
+        row, column = np.divmod(place, columns)
+        pixels = np.asarray(corners)[number] + np.stack([column, row], axis=-1)
+        colors = np.empty((2, len(numbers), WORDS), np.float32)
+        for world, own in zip((self._red, self._blue), colors, strict=True):
+            self._trace(world, camera, size, pixels, (1, 1), shift, own)
+        return colors
+
+    def _trace(
+        self,
+        world: World,
+        camera: Camera,
+        size: tuple[int, int],
+        corners: np.ndarray,
+        tile: tuple[int, int],
+        shift: tuple[float, float],
+        records: np.ndarray | None,
+    ) -> np.ndarray:
         columns, rows = tile
         count = len(corners) * columns * rows
         if records is None or records.shape != (count, WORDS):
@@ -138,7 +195,7 @@ class PathTracer:
                 # Rays of neighbouring pixels keep together until the second bounce.
                 self._cast(paths, going, coherent=turn < 2)
                 going = advance(
-                    self._world, paths, going, rays_origins, rays_directions, records[first:stop], words[first:stop]
+                    world, paths, going, rays_origins, rays_directions, records[first:stop], words[first:stop]
                 )
                 rays_origins = rays_directions = NO_RAYS
                 turn += 1
@@ -162,7 +219,7 @@ class PathTracer:
         """The rays of the ray meshes, by vertex of the geometry; none for surface truth."""
         if not self._reflectors:
             return NO_RAYS, NO_RAYS
-        origins, directions = np.zeros((2, len(self._world.positions), 3))
+        origins, directions = np.zeros((2, len(self._green.positions), 3))
         for first, mirror in self._reflectors:
             mesh = reflected_rays(mirror, camera.eye(size))
             own = slice(first, first + len(mesh.origins))
@@ -170,26 +227,29 @@ class PathTracer:
         return origins, directions
 
 
-def _world(scene: Scene, geometry: Geometry, near: float, max_bounces: int) -> World:
+def _worlds(scene: Scene, geometry: Geometry, near: float, max_bounces: int) -> tuple[World, World, World]:
+    """The scene for red, green and blue light."""
     count = len(scene.meshes) + 1
     material, surface = np.full((2, count), DIFFUSE, np.int64)
-    tint, constant = np.ones((count, 3)), np.zeros(count)
+    tint, constant = np.ones((count, 3)), np.zeros((3, count))
     numbers = [np.zeros(0)] * count
     parameters = np.zeros((len(geometry.positions), 2))
     for number, mesh in enumerate(scene.meshes, start=1):
         match mesh.material:
             case Mirror(tint=color, reflectance=value):
-                material[number], tint[number], constant[number] = MIRROR, color, value
-            case Glass(tint=color, index=value):
-                material[number], tint[number], constant[number] = GLASS, color, value
+                material[number], tint[number], constant[:, number] = MIRROR, color, value
+            case Glass(tint=color, index=value, abbe=abbe):
+                material[number], tint[number], constant[:, number] = GLASS, color, line_indices(value, abbe)
         if mesh.specular and mesh.parameters is not None:
             surface[number], numbers[number] = pack(mesh.surface)
             parameters[geometry.first_vertex[number - 1] : geometry.first_vertex[number]] = mesh.parameters
-    return World(
+    red, green, blue = constant
+    middle = World(
         geometry.positions, geometry.normals, parameters, geometry.faces, geometry.face_object,
-        material, tint, constant, surface, np.concatenate(numbers), np.cumsum([0, *map(len, numbers)]),
+        material, tint, green, red != blue, surface, np.concatenate(numbers), np.cumsum([0, *map(len, numbers)]),
         near, max_bounces,
     )  # fmt: skip
+    return middle._replace(constant=red), middle, middle._replace(constant=blue)
 
 
 def specular_rectangle(scene: Scene, camera: Camera, size: tuple[int, int]) -> Rectangle | None:

@@ -35,10 +35,13 @@ class Options:
         vertex rays of the ray mesh are interpolated.
     bounces : int
         How many specular surfaces a path may meet.
+    dispersion : bool
+        Whether red and blue light goes its own way through glass that has an Abbe number. Seen buffers are green's.
     """
 
     truth: str = "surface"
     bounces: int = 8
+    dispersion: bool = True
 
 
 class TracedDrawing:
@@ -46,6 +49,7 @@ class TracedDrawing:
 
     def __init__(self, stage: Stage, options: Options) -> None:
         self._stage = stage
+        self._dispersion = options.dispersion
         self.replaced = stage.buffers.specular
         self._tracer = PathTracer(
             stage.view.scene, stage.geometry, Caster(stage.geometry), options.bounces, options.truth
@@ -71,7 +75,11 @@ class TracedDrawing:
             if self._used == len(self._bands):
                 self._bands.append(Tiles(self._stage.buffers))
             part = records[(top - y0) * width : (bottom - y0) * width]
-            self._bands[self._used].write(np.array([[x0, top]]), (width, bottom - top), part)
+            corner, tile = np.array([[x0, top]]), (width, bottom - top)
+            colors = None
+            if self._dispersion:
+                colors = self._tracer.trace_colors(camera, self._stage.view.size, corner, tile, shift, part)
+            self._bands[self._used].write(corner, tile, part, colors)
             self._used += 1
 
     def complete(self, target: Target, camera: Camera, shift: tuple[float, float]) -> None:

@@ -11,8 +11,13 @@ struct PathEnd {
     throughput: vec3f,
     distance: f32,
     barycentric: vec2f,
-    padding: vec2f,
+    // The row in `line_paths`, from 1, where light of each colour goes its own way; else 0.
+    line_row: u32,
+    padding: f32,
 }
+
+// Whether light of one line of the spectrum, red or blue, is drawn over the picture that the d line has made.
+override ONE_LINE: bool = false;
 
 // Columns and rows of every tile.
 @group(2) @binding(0) var<uniform> tile_size: vec2u;
@@ -20,8 +25,10 @@ struct PathEnd {
 @group(2) @binding(1) var<storage, read> corners: array<vec2u>;
 // Tile by tile, each row by row.
 @group(2) @binding(2) var<storage, read> paths: array<PathEnd>;
-@group(2) @binding(3) var<storage, read> vertices: array<StoredVertex>;
-@group(2) @binding(4) var<storage, read> indices: array<u32>;
+// Paths of that one line.
+@group(2) @binding(3) var<storage, read> line_paths: array<PathEnd>;
+@group(2) @binding(4) var<storage, read> vertices: array<StoredVertex>;
+@group(2) @binding(5) var<storage, read> indices: array<u32>;
 
 struct TileFragment {
     @builtin(position) pixel: vec4f,
@@ -47,8 +54,18 @@ struct Triangle {
     texcoord_2: vec2f,
 }
 
-fn path_number(tile: u32, place: vec2u) -> u32 {
-    return (tile * tile_size.y + place.y) * tile_size.x + place.x;
+// The d line's path of a pixel in a tile.
+fn middle_path(tile: u32, place: vec2u) -> PathEnd {
+    return paths[(tile * tile_size.y + place.y) * tile_size.x + place.x];
+}
+
+// The path of the light that is drawn: one of all colours where nothing disperses them.
+fn path_at(tile: u32, place: vec2u) -> PathEnd {
+    let path = middle_path(tile, place);
+    if ONE_LINE && path.line_row > 0u {
+        return line_paths[path.line_row - 1u];
+    }
+    return path;
 }
 
 // The place of a fragment in its tile.
@@ -60,7 +77,7 @@ fn tile_place(fragment: TileFragment) -> vec2u {
 fn beside(fragment: TileFragment, step: vec2i, path: PathEnd) -> PathEnd {
     let place = vec2i(tile_place(fragment)) + step;
     if all(place >= vec2i(0)) && all(place < vec2i(tile_size)) {
-        let other = paths[path_number(fragment.tile, vec2u(place))];
+        let other = path_at(fragment.tile, vec2u(place));
         let way = 0xFF00FFFFu;
         if (other.flags & way) == (path.flags & way) {
             return other;
@@ -83,7 +100,7 @@ fn texcoord_change(triangle: Triangle, path: PathEnd, other: PathEnd) -> vec2f {
 }
 
 fn path_color(fragment: TileFragment) -> vec3f {
-    let path = paths[path_number(fragment.tile, tile_place(fragment))];
+    let path = path_at(fragment.tile, tile_place(fragment));
     // One step each way: the way back serves where the way on leads elsewhere.
     var right = beside(fragment, vec2i(1, 0), path);
     if all(right.direction == path.direction) {
@@ -125,12 +142,15 @@ fn path_color(fragment: TileFragment) -> vec3f {
 
 @fragment
 fn traced_color(fragment: TileFragment) -> @location(0) vec4f {
+    if ONE_LINE && middle_path(fragment.tile, tile_place(fragment)).line_row == 0u {
+        discard;
+    }
     return vec4f(path_color(fragment), 1.0);
 }
 
 @fragment
 fn traced_seen(fragment: TileFragment) -> Seen {
-    let path = paths[path_number(fragment.tile, tile_place(fragment))];
+    let path = middle_path(fragment.tile, tile_place(fragment));
     let flags = path.flags & 0xFFFFFFu;
     if path.triangle < 0 {
         return Seen(vec4f(path.direction, 0.0), flags, 0.0);

@@ -152,10 +152,11 @@ def plan_map(sight: Sight, faces: np.ndarray, hider: np.ndarray, world: World, o
         for number, each in enumerate(bundles):
             ways = each.unit_directions()
             first = world.caster.cast(each.origins, ways, world.caster.near).distance
-            inside[number] &= (hider > 0) | (first >= _crossings(each.origins, ways, near_plane))
-    seen = inside & facing
-    if not seen.any():
+            inside[number] &= (hider > 0) | ~facing | (first >= _crossings(each.origins, ways, near_plane))
+    if not (inside & facing).any():
         return None
+    # What is seen of a triangle may reach up to its vertices that are not.
+    seen = inside & (facing | (_beside(facing, corners) & (rays.status != RayStatus.TOTAL_REFLECTION)))
     bounds = _bounds(places[seen])
     valid = inside & (places >= bounds[0]).all(axis=2) & (places <= bounds[1]).all(axis=2)
 
@@ -181,6 +182,13 @@ def plan_map(sight: Sight, faces: np.ndarray, hider: np.ndarray, world: World, o
     return MapPlan(tuple(projections), viewpoint, vertices, lookups, texels, hits[0], distances[0], used)
 
 
+def _beside(chosen: np.ndarray, faces: np.ndarray) -> np.ndarray:
+    """The vertices of faces of which some vertex is `chosen`, (V,) bool."""
+    beside = np.zeros(len(chosen), bool)
+    beside[faces[chosen[faces].any(axis=1)]] = True
+    return beside
+
+
 def _part(rays: RayMesh, vertices: np.ndarray, faces: np.ndarray) -> RayMesh:
     """Some of a ray mesh's vertices, and the `faces` between them."""
     picture, origins, directions, status = (
@@ -196,6 +204,9 @@ def _looked_up(
     directions = rays.unit_directions()
     if options.cast:
         nearest = np.maximum(_crossings(rays.origins, directions, start), world.caster.near)
+        # No one sees what catches the rays that miss the far face of a lens: it must not be what frames the lens.
+        lost = np.isin(rays.status, (RayStatus.LEFT_BY_EDGE, RayStatus.TOTAL_REFLECTION))
+        nearest[lost] += float(np.linalg.norm(np.ptp(rays.origins, axis=0)))
         distances = world.caster.cast(rays.origins, directions, nearest).distance
     else:
         distances = np.full(len(directions), world.diagonal)

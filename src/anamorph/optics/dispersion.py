@@ -31,4 +31,7 @@ def line_indices(index: float, abbe: float | None) -> tuple[float, float, float]
         raise AnamorphError(f"glass: Abbe number is {abbe:g}; give a positive number, 58 for plastic, or leave it out")
     red, green, blue = C_LINE**-2, D_LINE**-2, F_LINE**-2
     strength = (index - 1.0) / abbe / (blue - red)
-    return index + strength * (red - green), index, index + strength * (blue - green)
+    first, last = index + strength * (red - green), index + strength * (blue - green)
+    if min(first, last) <= 0.0:
+        raise AnamorphError(f"glass: Abbe number {abbe:g} leaves some colour no refractive index; give a larger one")
+    return first, index, last

@@ -97,7 +97,7 @@ def has_one_border(mesh: Mesh) -> bool:
     edges = np.sort(np.concatenate([mesh.faces[:, pair] for pair in ([0, 1], [1, 2], [2, 0])]), axis=1)
     edges, uses = np.unique(edges, axis=0, return_counts=True)
     vertices, ends = np.unique(edges[uses == 1], return_inverse=True)
-    if not len(vertices) or (np.bincount(ends.ravel()) != 2).any():
+    if (np.bincount(ends.ravel()) != 2).any():
         return False
     start, stop = ends.reshape(-1, 2).T
     graph = coo_array((np.ones(len(start)), (start, stop)), shape=(len(vertices), len(vertices)))

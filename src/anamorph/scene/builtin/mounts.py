@@ -1,0 +1,41 @@
+"""What mirrors hang in: a bezel around a lattice of vertices."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from anamorph.scene.builtin.shapes import Shape, loft
+from anamorph.scene.model import Mesh
+
+
+def bezel(mirror: Mesh, rows: int, columns: int, width: float, depth: float) -> Shape:
+    """A frame `width` metres wide around a mirror and a shell `depth` behind it, which show nothing in it.
+
+    Parameters
+    ----------
+    mirror : Mesh
+        A lattice of rows x columns vertices, as `lattice` joins them.
+    rows, columns : int
+    width, depth : float
+        Metres.
+    """
+    index = np.arange(rows * columns).reshape(rows, columns)
+    around = np.concatenate([index[0, :-1], index[:-1, -1], index[-1, :0:-1], index[:0:-1, 0]])
+    border = mirror.positions[around].astype(float)
+    outward = mirror.normals.mean(axis=0, dtype=float)
+    outward /= np.linalg.norm(outward)
+    middle = border.mean(axis=0)
+    across = border - middle
+    across -= np.outer(across @ outward, outward)
+    # As wide at the sides as is asked, and wider at the corners.
+    wider = 1.0 + width / np.linalg.norm(across, axis=1).min()
+    behind = float(((mirror.positions - middle) @ outward).min()) - depth
+    lifted = across * wider + middle + behind * outward
+    rings = [
+        np.broadcast_to(lifted.mean(axis=0), border.shape),
+        lifted,
+        border + (wider - 1.0) * across - 0.004 * outward,
+        border + 0.3 * (wider - 1.0) * across - 0.0005 * outward,
+        border - 0.02 * across - 0.003 * outward,
+    ]
+    return loft(np.stack(rings), crease=30.0)

@@ -14,6 +14,7 @@ from anamorph.scene.builtin.curvature_series import curvature_series
 from anamorph.scene.builtin.flat_mirror import flat_mirror
 from anamorph.scene.builtin.lenses import magnifier, spectacles_minus, spectacles_plus
 from anamorph.scene.builtin.room import room
+from anamorph.scene.builtin.saddle import saddle
 from anamorph.scene.builtin.spheres import spheres
 from anamorph.scene.model import Scene
 
@@ -38,6 +39,7 @@ SCENES: dict[str, BuiltIn] = {
         BuiltIn("spectacles-plus", "a lens of +6 D before an eye in a room: all larger", spectacles_plus),
         BuiltIn("magnifier", "a reading glass of +10 D at arm's length in a street: all reversed", magnifier),
         BuiltIn("curvature-series", "nine spherical mirrors, from convex over flat to concave", curvature_series),
+        BuiltIn("saddle", "a saddle-shaped and a cylindrical mirror in a street, both aslant", saddle),
     )
 }
 

@@ -47,7 +47,7 @@ def curvature_series() -> Scene:
         # Right is -x for who looks at the board.
         apex = (x - (column - 1) * PITCH[0], y - (row - 1) * PITCH[1], z)
         stands += stand(f"{number + 1}", 1.0 / radius, apex, number)
-    return _scene("curvature-series", stands, 30.0)
+    return _scene("curvature-series", stands, 31.0)
 
 
 def one_mirror(curvature: float) -> Scene:
@@ -67,7 +67,7 @@ def _scene(name: str, stands: list[Mesh], field_of_view: float) -> Scene:
             *furniture,
             room.door(),
         ),
-        camera=Camera(position=EYE, target=(x, y - 0.01, BOARD), field_of_view=field_of_view),
+        camera=Camera(position=EYE, target=(x, y - 0.025, BOARD), field_of_view=field_of_view),
         lights=(
             PointLight(position=(-0.3, 1.65, 0.1), color=(0.72, 0.68, 0.62)),
             DirectionalLight(toward=(-0.48, 0.64, -0.6), color=(0.36, 0.35, 0.32)),

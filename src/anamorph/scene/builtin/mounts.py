@@ -39,3 +39,12 @@ def bezel(mirror: Mesh, rows: int, columns: int, width: float, depth: float) -> 
         border - 0.02 * across - 0.003 * outward,
     ]
     return loft(np.stack(rings), crease=30.0)
+
+
+def turned_axes(outward: np.ndarray, degrees: float) -> np.ndarray:
+    """Rows right, up and `outward` (a unit vector); right is level, then turned counter-clockwise seen from outside."""
+    level = np.cross((0.0, 1.0, 0.0), outward)
+    level /= np.linalg.norm(level)
+    upright = np.cross(outward, level)
+    cosine, sine = np.cos(np.radians(degrees)), np.sin(np.radians(degrees))
+    return np.stack([cosine * level + sine * upright, cosine * upright - sine * level, outward])

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 
 from anamorph.errors import AnamorphError
 from anamorph.scene.builtin.car_mirror import car_mirror
+from anamorph.scene.builtin.car_windows import car_windows
 from anamorph.scene.builtin.curvature_series import curvature_series
 from anamorph.scene.builtin.flat_mirror import flat_mirror
 from anamorph.scene.builtin.lenses import magnifier, spectacles_minus, spectacles_plus
@@ -40,6 +41,7 @@ SCENES: dict[str, BuiltIn] = {
         BuiltIn("magnifier", "a reading glass of +10 D at arm's length in a street: all reversed", magnifier),
         BuiltIn("curvature-series", "nine spherical mirrors, from convex over flat to concave", curvature_series),
         BuiltIn("saddle", "a saddle-shaped and a cylindrical mirror in a street, both aslant", saddle),
+        BuiltIn("car-windows", "the town in the windows of cars, and both in the door mirror", car_windows),
     )
 }
 

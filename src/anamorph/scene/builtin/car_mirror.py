@@ -12,7 +12,7 @@ from anamorph.scene.builtin import town_textures as wear
 from anamorph.scene.builtin.car import CABIN, HALF_WIDTH, PILLAR, STATIONS, saloon
 from anamorph.scene.builtin.shapes import Shape, lattice, loft
 from anamorph.scene.builtin.town import car_shade, cars, ground, houses, lamps, trees
-from anamorph.scene.camera import Camera
+from anamorph.scene.camera import Camera, Vector
 from anamorph.scene.model import AmbientLight, Diffuse, DirectionalLight, Mesh, Mirror, Scene, Sky
 from anamorph.scene.surfaces import Sphere
 
@@ -51,10 +51,10 @@ def car_mirror() -> Scene:
     )
 
 
-def mirror_sphere() -> Sphere:
-    """The glass's sphere: its outward axis bisects the directions to the eye and to the road behind."""
+def mirror_sphere(rearward: Vector = REARWARD) -> Sphere:
+    """The glass's sphere: its outward axis bisects the directions to the eye and to what it shows, the road behind."""
     to_eye = np.subtract(EYE, MIRROR)
-    outward = to_eye / np.linalg.norm(to_eye) + np.asarray(REARWARD) / np.linalg.norm(REARWARD)
+    outward = to_eye / np.linalg.norm(to_eye) + np.asarray(rearward) / np.linalg.norm(rearward)
     outward /= np.linalg.norm(outward)
     right = np.cross((0.0, 1.0, 0.0), outward)
     right /= np.linalg.norm(right)

@@ -1,8 +1,9 @@
 """The town in the side windows of cars, and both in the door mirror: two mirrors on a path.
 
 After section 4.4 and Figure 11 of Kakimoto, Tatsukawa, Chun and Nishita, "Real-time reflection and refraction on a
-per-vertex basis" (2007). The scene is `car-mirror` with the mirror turned out to a car that is overtaking, and with
-panes in the side windows: dark glass that reflects a part of the light, and hides what is behind it.
+per-vertex basis" (2007). The scene is `car-mirror` with the mirror turned out to a car that has just passed, and with
+another one that comes. Both have panes in their side windows: dark glass that reflects a part of the light, and hides
+what is behind it.
 """
 
 from __future__ import annotations
@@ -13,18 +14,22 @@ import numpy as np
 
 from anamorph.scene.builtin import town_textures as wear
 from anamorph.scene.builtin.car import STATIONS, number_plates, saloon, section
-from anamorph.scene.builtin.car_mirror import OWN_CAR, PLASTIC, car_mirror, foot, glass, housing, mirror_sphere
-from anamorph.scene.builtin.shapes import lattice
-from anamorph.scene.builtin.town import CARS, car_shade
+from anamorph.scene.builtin.car_mirror import PLASTIC, car_mirror, foot, glass, housing, mirror_sphere
+from anamorph.scene.builtin.shapes import join, lattice
+from anamorph.scene.builtin.town import car_shade
 from anamorph.scene.camera import Vector
 from anamorph.scene.model import Color, Diffuse, Mesh, Mirror, Scene
 from anamorph.scene.sag import Toroid
 
-REARWARD: Vector = (-0.36, -0.02, 1.0)
-OVERTAKING: Vector = (-1.25, 0.0, 3.1)
-PAINT: Color = (0.62, 0.63, 0.60)
+REARWARD: Vector = (-0.50, -0.02, 1.0)
+ONCOMING: tuple[tuple[str, float, float, Color], ...] = (
+    ("passed", -1.62, 3.2, (0.62, 0.63, 0.60)),
+    ("coming", -1.62, -1.8, (0.10, 0.22, 0.40)),
+)
+"""Name, x, z and paint; both drive toward +z."""
 GLASS = Mirror(tint=(0.82, 0.93, 0.90), reflectance=0.42)
-FIELD_OF_VIEW = 14.5
+LOOK: Vector = (0.71, 1.085, -0.48)
+FIELD_OF_VIEW = 17.5
 VERTICES = (9, 5)
 BEND = (0.06, 0.45)
 """Curvatures of a pane along the car and across, 1/m."""
@@ -43,29 +48,29 @@ def car_windows() -> Scene:
         "housing": housing(sphere).mesh("housing", Diffuse(color=PLASTIC)),
         "housing/foot": foot(sphere).mesh("housing/foot", Diffuse(color=PLASTIC)),
     }
-    x, _, z = OVERTAKING
-    matt = Diffuse(color=(1.0, 1.0, 1.0))
-    overtaking = [
-        saloon(PAINT).moved(*OVERTAKING).mesh("overtaking", matt),
-        number_plates(2).moved(*OVERTAKING).mesh("overtaking/plates", Diffuse(color=(1, 1, 1), texture=wear.plates())),
-        car_shade(x, z).mesh("overtaking/shade", Diffuse(color=(1, 1, 1), texture=wear.road())),
-    ]
-    panes = [pane("own-window", OWN_CAR, "rear", -1), *(pane(f"window-{name}", OVERTAKING, name, 1) for name in PANES)]
+    matt, plates = Diffuse(color=(1.0, 1.0, 1.0)), Diffuse(color=(1.0, 1.0, 1.0), texture=wear.plates())
+    cars: list[Mesh] = []
+    for number, (name, x, z, paint) in enumerate(ONCOMING):
+        cars += [pane(f"{name}-{window}-window", (x, 0.0, z), window) for window in PANES]
+        cars.append(saloon(paint).turned(180.0).moved(x, 0.0, z).mesh(name, matt))
+        cars.append(number_plates(number + 1).turned(180.0).moved(x, 0.0, z).mesh(f"{name}/plates", plates))
+    shades = join([car_shade(x, z) for _, x, z, _ in ONCOMING])
+    shade = shades.mesh("oncoming-shade", Diffuse(color=(1.0, 1.0, 1.0), texture=wear.road()))
     return Scene(
         name="car-windows",
-        meshes=(*(turned.get(mesh.name, mesh) for mesh in street.meshes), *overtaking, *panes),
-        camera=replace(street.camera, field_of_view=FIELD_OF_VIEW),
+        meshes=(*(turned.get(mesh.name, mesh) for mesh in street.meshes), *cars, shade),
+        camera=replace(street.camera, target=LOOK, field_of_view=FIELD_OF_VIEW),
         lights=street.lights,
         sky=street.sky,
     )
 
 
-def pane(name: str, place: Vector, window: str, side: int) -> Mesh:
-    """A side window of a car that stands at `place`, its nose to -z: `side` is 1 on the right and -1 on the left."""
+def pane(name: str, place: Vector, window: str) -> Mesh:
+    """A left side window of a car that stands at `place`, its nose to +z: seen from +x."""
     corners = np.array([edge(z, upper) for upper, ends in enumerate(PANES[window]) for z in ends])
-    corners = corners * (side, 1, 1) + place
+    corners = corners * (1, 1, -1) + place
     middle = corners.mean(axis=0)
-    along = (corners[1] - corners[0]) * -side
+    along = corners[1] - corners[0]
     outward = np.cross(along, corners[2:].mean(axis=0) - corners[:2].mean(axis=0))
     outward /= np.linalg.norm(outward)
     right = along - (along @ outward) * outward
@@ -77,8 +82,7 @@ def pane(name: str, place: Vector, window: str, side: int) -> Mesh:
     surface = replace(surface, apex=middle + lift * outward)
 
     s, t = (axis.ravel()[:, None] for axis in np.meshgrid(*(np.linspace(0.0, 1.0, count) for count in VERTICES)))
-    ends = flat if side < 0 else flat[[1, 0, 3, 2]]
-    parameters = (1 - t) * ((1 - s) * ends[0] + s * ends[1]) + t * ((1 - s) * ends[2] + s * ends[3])
+    parameters = (1 - t) * ((1 - s) * flat[0] + s * flat[1]) + t * ((1 - s) * flat[2] + s * flat[3])
     return Mesh(
         name=name,
         positions=surface.position(parameters).astype(np.float32),
@@ -91,7 +95,7 @@ def pane(name: str, place: Vector, window: str, side: int) -> Mesh:
 
 
 def edge(z: float, upper: int) -> np.ndarray:
-    """A point of the right side's window line below, or above if `upper`, at `z` along a car."""
+    """A point of the window line below, or above if `upper`, at `z` along a car whose nose is to -z."""
     station = [np.interp(z, STATIONS[:, 0], column) for column in STATIONS.T]
     low, high = section(np.array(station))[[5, 6]]
     x, y = low + (0.97 if upper else 0.04) * (high - low)

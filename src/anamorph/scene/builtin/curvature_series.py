@@ -14,8 +14,9 @@ from PIL import Image, ImageDraw
 
 from anamorph.errors import AnamorphError
 from anamorph.scene.builtin import room
+from anamorph.scene.builtin.dice import die, letters
 from anamorph.scene.builtin.mounts import bezel
-from anamorph.scene.builtin.shapes import Shape, box, grid, join, lathe, lattice
+from anamorph.scene.builtin.shapes import box, grid, join, lathe, lattice
 from anamorph.scene.builtin.textures import centered, planks, texture
 from anamorph.scene.camera import Camera, Vector
 from anamorph.scene.model import AmbientLight, Color, Diffuse, DirectionalLight, Mesh, Mirror, PointLight, Scene, Texture
@@ -166,30 +167,6 @@ PROFILE = (
 )
 COLUMN = ((0.0, 0.0), (0.022, 0.0), (0.021, 0.008), (0.006, 0.012), (0.005, 0.11), (0.018, 0.116), (0.0, 0.117))
 """Radius and height of a pawn and of what carries the die, metres."""
-
-
-def die(edge: float) -> Shape:
-    """A cube that stands on the origin with a letter on each side."""
-    sides = []
-    for number, side in enumerate(("+z", "+x", "-z", "-x", "+y", "-y")):
-        row, column = divmod(number, 3)
-        image = (column / 4, row / 2, (column + 1) / 4, (row + 1) / 2)
-        sides.append(box((-edge / 2, 0.0, -edge / 2), (edge / 2, edge, edge / 2), side, image))
-    return join(sides)
-
-
-@cache
-def letters() -> Texture:
-    """The sides of the die: six fields in the left three quarters, three across and two down."""
-    image = Image.new("RGB", (512, 256), (240, 234, 218))
-    draw = ImageDraw.Draw(image)
-    inks = ((30, 60, 130), (150, 40, 30), (20, 100, 60), (120, 60, 120), (40, 40, 50), (160, 90, 20))
-    for number, (letter, ink) in enumerate(zip("RPQFGJ", inks, strict=True)):
-        row, column = divmod(number, 3)
-        left, top = column * 128, row * 128
-        draw.rectangle((left + 4, top + 4, left + 123, top + 123), outline=ink, width=8)
-        centered(draw, (left + 64, top + 62), letter, 92, ink)
-    return texture(image)
 
 
 @cache

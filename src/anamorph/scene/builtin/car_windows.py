@@ -14,7 +14,7 @@ import numpy as np
 
 from anamorph.scene.builtin import town_textures as wear
 from anamorph.scene.builtin.car import STATIONS, number_plates, saloon, section
-from anamorph.scene.builtin.car_mirror import PLASTIC, car_mirror, foot, glass, housing, mirror_sphere
+from anamorph.scene.builtin.car_mirror import LIGHTS, PLASTIC, SKY, car_mirror, foot, glass, housing, mirror_sphere
 from anamorph.scene.builtin.shapes import join, lattice
 from anamorph.scene.builtin.town import car_shade
 from anamorph.scene.camera import Vector
@@ -60,8 +60,8 @@ def car_windows() -> Scene:
         name="car-windows",
         meshes=(*(turned.get(mesh.name, mesh) for mesh in street.meshes), *cars, shade),
         camera=replace(street.camera, target=LOOK, field_of_view=FIELD_OF_VIEW),
-        lights=street.lights,
-        sky=street.sky,
+        lights=LIGHTS,
+        sky=SKY,
     )
 
 

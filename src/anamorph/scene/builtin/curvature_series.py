@@ -19,7 +19,17 @@ from anamorph.scene.builtin.mounts import bezel
 from anamorph.scene.builtin.shapes import box, grid, join, lathe, lattice
 from anamorph.scene.builtin.textures import centered, planks, texture
 from anamorph.scene.camera import Camera, Vector
-from anamorph.scene.model import AmbientLight, Color, Diffuse, DirectionalLight, Mesh, Mirror, PointLight, Scene, Texture
+from anamorph.scene.model import (
+    AmbientLight,
+    Color,
+    Diffuse,
+    DirectionalLight,
+    Mesh,
+    Mirror,
+    PointLight,
+    Scene,
+    Texture,
+)
 from anamorph.scene.surfaces import Plane, Sphere
 
 RADII = (0.5, 1.0, 2.0, 6.0, np.inf, -6.0, -2.0, -1.0, -0.5)
@@ -143,14 +153,15 @@ def stand(number: str, curvature: float, apex: Vector, label: int | None) -> lis
     base = y - SIZE / 2 - 0.035
     front = z - 0.16
     plank = box((x - 0.21, base - 0.034, front), (x + 0.21, base, BOARD))
-    pawn = lathe(PROFILE, 24, 45.0).moved(x + 0.07, base, z - 0.11).painted(PAWN)
-    column = lathe(COLUMN, 16, 45.0).moved(x - 0.065, base, z - 0.11).painted(BRASS)
+    pawn = lathe(PROFILE, 20, 45.0).moved(x + 0.07, base, z - 0.11).painted(PAWN)
+    post = lathe(COLUMN, 16, 45.0).moved(x - 0.065, base, z - 0.11).painted(BRASS)
     cube = die(0.05).turned(24.0).moved(x - 0.065, base + 0.117, z - 0.11)
+    frame = bezel(mirror, VERTICES, VERTICES, 0.012, 0.02)
     parts = [
         mirror,
-        bezel(mirror, VERTICES, VERTICES, 0.012, 0.02).mesh(f"stand-{number}/bezel", Diffuse(color=(0.07, 0.06, 0.055))),
+        frame.mesh(f"stand-{number}/bezel", Diffuse(color=(0.07, 0.06, 0.055))),
         plank.mesh(f"stand-{number}/shelf", Diffuse(color=(0.42, 0.29, 0.17))),
-        join([pawn, column]).mesh(f"stand-{number}/pawn", Diffuse(color=(1.0, 1.0, 1.0))),
+        join([pawn, post]).mesh(f"stand-{number}/pawn", Diffuse(color=(1.0, 1.0, 1.0))),
         cube.mesh(f"stand-{number}/die", Diffuse(color=(1.0, 1.0, 1.0), texture=letters())),
     ]
     if label is None:

@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 
 from anamorph.scene.builtin import town
-from anamorph.scene.builtin.car_mirror import car_mirror
+from anamorph.scene.builtin.car_mirror import LIGHTS, SKY
 from anamorph.scene.builtin.mounts import bezel, turned_axes
 from anamorph.scene.builtin.shapes import cylinder, join, lathe, lattice
 from anamorph.scene.camera import Camera, Vector
@@ -41,13 +41,12 @@ def saddle() -> Scene:
         steel = Diffuse(color=(1.0, 1.0, 1.0))
         meshes += [mirror, bezel(mirror, VERTICES, VERTICES, 0.03, 0.02).painted(STEEL).mesh(f"mount-{name}", steel)]
         meshes.append(post.mesh(f"mount-{name}/post", steel))
-    street = car_mirror()
     return Scene(
         name="saddle",
         meshes=(*meshes, *town.town()),
         camera=Camera(position=EYE, target=(-0.06, 1.5, -20.0), field_of_view=35.5),
-        lights=street.lights,
-        sky=street.sky,
+        lights=LIGHTS,
+        sky=SKY,
     )
 
 

@@ -33,9 +33,9 @@ FIELD_OF_VIEW = 17.5
 VERTICES = (9, 5)
 BEND = (0.06, 0.45)
 """Curvatures of a pane along the car and across, 1/m."""
-CLEAR = 0.006
+CLEAR = 0.012
 """Metres from the body to a pane's border."""
-PANES = {"front": ((-0.70, 0.07), (-0.22, 0.07)), "rear": ((0.21, 0.93), (0.21, 0.86))}
+PANES = {"front": ((-0.66, 0.07), (-0.15, 0.07)), "rear": ((0.21, 0.84), (0.21, 0.82))}
 """From where to where along a car, in metres, its side windows' lower and upper edges go."""
 
 

@@ -35,8 +35,7 @@ def bezel(mirror: Mesh, rows: int, columns: int, width: float, depth: float) -> 
         np.broadcast_to(lifted.mean(axis=0), border.shape),
         lifted,
         border + (wider - 1.0) * across - 0.004 * outward,
-        border + 0.3 * (wider - 1.0) * across - 0.0005 * outward,
-        border - 0.02 * across - 0.003 * outward,
+        border - 0.0005 * outward,
     ]
     return loft(np.stack(rings), crease=30.0)
 

@@ -19,8 +19,8 @@ from anamorph.scene.sag import Toroid
 
 SIZE = (1.3, 1.3)
 VERTICES = 11
-BEND = 0.75
-"""Curvature, 1/m: outward along one way, and inward along the other on the saddle."""
+BENDS = (0.75, -0.45)
+"""Curvatures, 1/m: the saddle's outward along one way and inward along the other. The cylinder has the first alone."""
 TURNS = (30.0, -25.0)
 """Degrees, about the normals of saddle and cylinder."""
 SADDLE: Vector = (-1.0, 1.62, -20.0)
@@ -31,10 +31,12 @@ STEEL: Color = (0.10, 0.11, 0.12)
 
 def saddle() -> Scene:
     """The built-in scene `saddle`."""
-    bends = ((SADDLE, TURNS[0], -BEND, "saddle"), (CYLINDER, TURNS[1], 0.0, "cylinder"))
+    bends = ((SADDLE, TURNS[0], BENDS[1], "saddle"), (CYLINDER, TURNS[1], 0.0, "cylinder"))
     meshes: list[Mesh] = []
     for middle, turn, across, name in bends:
-        mirror = toric_mirror(Toroid(np.asarray(middle), BEND, across, turned_axes(facing(middle), turn)), SIZE, name)
+        mirror = toric_mirror(
+            Toroid(np.asarray(middle), BENDS[0], across, turned_axes(facing(middle), turn)), SIZE, name
+        )
         x, y, z = middle
         foot = lathe([(0.0, 0.0), (0.26, 0.0), (0.25, 0.03), (0.05, 0.05), (0.0, 0.05)], 24)
         post = join([foot, cylinder(0.035, y - 0.4, 12)]).moved(x, 0.0, z - 0.28).painted(STEEL)

@@ -10,10 +10,15 @@ from dataclasses import dataclass
 
 from anamorph.errors import AnamorphError
 from anamorph.scene.builtin.car_mirror import car_mirror
+from anamorph.scene.builtin.car_windows import car_windows
+from anamorph.scene.builtin.curvature_series import curvature_series
+from anamorph.scene.builtin.facing_mirrors import facing_mirrors
 from anamorph.scene.builtin.flat_mirror import flat_mirror
 from anamorph.scene.builtin.lenses import magnifier, spectacles_minus, spectacles_plus
 from anamorph.scene.builtin.room import room
+from anamorph.scene.builtin.saddle import saddle
 from anamorph.scene.builtin.spheres import spheres
+from anamorph.scene.builtin.torus import torus
 from anamorph.scene.model import Scene
 
 
@@ -36,6 +41,11 @@ SCENES: dict[str, BuiltIn] = {
         BuiltIn("spectacles-minus", "a lens of -6 D before an eye in a room: all smaller", spectacles_minus),
         BuiltIn("spectacles-plus", "a lens of +6 D before an eye in a room: all larger", spectacles_plus),
         BuiltIn("magnifier", "a reading glass of +10 D at arm's length in a street: all reversed", magnifier),
+        BuiltIn("curvature-series", "nine spherical mirrors, from convex over flat to concave", curvature_series),
+        BuiltIn("saddle", "a saddle-shaped and a cylindrical mirror in a street, both aslant", saddle),
+        BuiltIn("car-windows", "the town in the windows of cars, and both in the door mirror", car_windows),
+        BuiltIn("facing-mirrors", "two flat mirrors before each other, not quite parallel: a tunnel", facing_mirrors),
+        BuiltIn("torus", "a closed mirror ring on its exact surface, over a chequered floor", torus),
     )
 }
 

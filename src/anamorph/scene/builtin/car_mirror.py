@@ -12,7 +12,7 @@ from anamorph.scene.builtin import town_textures as wear
 from anamorph.scene.builtin.car import CABIN, HALF_WIDTH, PILLAR, STATIONS, saloon
 from anamorph.scene.builtin.shapes import Shape, lattice, loft
 from anamorph.scene.builtin.town import car_shade, cars, ground, houses, lamps, trees
-from anamorph.scene.camera import Camera
+from anamorph.scene.camera import Camera, Vector
 from anamorph.scene.model import AmbientLight, Diffuse, DirectionalLight, Mesh, Mirror, Scene, Sky
 from anamorph.scene.surfaces import Sphere
 
@@ -26,6 +26,12 @@ REARWARD = (-0.14, -0.03, 1.0)
 OWN_CAR = (1.72, 0.0, 0.35)
 PAINT = (0.36, 0.018, 0.02)
 PLASTIC = (0.045, 0.046, 0.05)
+TOWARD_SUN = np.array([0.42, 0.72, -0.55]) / np.linalg.norm([0.42, 0.72, -0.55])
+LIGHTS = (
+    DirectionalLight(toward=tuple(TOWARD_SUN), color=(0.92, 0.87, 0.76)),
+    AmbientLight(sky=(0.46, 0.50, 0.58), ground=(0.26, 0.25, 0.23)),
+)
+SKY = Sky(zenith=(0.16, 0.36, 0.78), horizon=(0.72, 0.83, 0.94), nadir=(0.30, 0.31, 0.28))
 
 
 def car_mirror() -> Scene:
@@ -40,21 +46,19 @@ def car_mirror() -> Scene:
         foot(sphere).mesh("housing/foot", matt),
         car_shade(x, z).mesh("own-car/shade", Diffuse(color=(1, 1, 1), texture=wear.road())),
     ]
-    toward = np.array([0.42, 0.72, -0.55])
-    sun = DirectionalLight(toward=tuple(toward / np.linalg.norm(toward)), color=(0.92, 0.87, 0.76))
     return Scene(
         name="car-mirror",
         meshes=(glass(sphere), *own, *ground(), *houses(), *trees(), *lamps(), *cars()),
         camera=Camera(position=EYE, target=LOOK, field_of_view=13.6),
-        lights=(sun, AmbientLight(sky=(0.46, 0.50, 0.58), ground=(0.26, 0.25, 0.23))),
-        sky=Sky(zenith=(0.16, 0.36, 0.78), horizon=(0.72, 0.83, 0.94), nadir=(0.30, 0.31, 0.28)),
+        lights=LIGHTS,
+        sky=SKY,
     )
 
 
-def mirror_sphere() -> Sphere:
-    """The glass's sphere: its outward axis bisects the directions to the eye and to the road behind."""
+def mirror_sphere(rearward: Vector = REARWARD) -> Sphere:
+    """The glass's sphere: its outward axis bisects the directions to the eye and to what it shows, the road behind."""
     to_eye = np.subtract(EYE, MIRROR)
-    outward = to_eye / np.linalg.norm(to_eye) + np.asarray(REARWARD) / np.linalg.norm(REARWARD)
+    outward = to_eye / np.linalg.norm(to_eye) + np.asarray(rearward) / np.linalg.norm(rearward)
     outward /= np.linalg.norm(outward)
     right = np.cross((0.0, 1.0, 0.0), outward)
     right /= np.linalg.norm(right)

@@ -11,7 +11,7 @@ from dataclasses import replace
 import numpy as np
 
 from anamorph.scene.builtin import room
-from anamorph.scene.builtin.car_mirror import car_mirror
+from anamorph.scene.builtin.car_mirror import LIGHTS, SKY
 from anamorph.scene.builtin.shapes import Shape, cylinder, join, lathe
 from anamorph.scene.builtin.town import town
 from anamorph.scene.camera import Camera
@@ -68,7 +68,6 @@ def magnifier() -> Scene:
     right, up, outward = lens_axes(STREET_GAZE)
     grip = join([cylinder(0.0035, 0.03).moved(0, 0.10, 0).painted(METAL), cylinder(0.009, 0.105, 20).painted(WOOD)])
     handle = placed(grip, _middle(lens) - (READING_RADIUS + 0.13) * up, np.stack([right, up, outward]))
-    street = car_mirror()
     return Scene(
         name="magnifier",
         meshes=(
@@ -78,8 +77,8 @@ def magnifier() -> Scene:
             *town(),
         ),
         camera=_looking(STREET_EYE, STREET_GAZE, 12.0),
-        lights=street.lights,
-        sky=street.sky,
+        lights=LIGHTS,
+        sky=SKY,
     )
 
 

@@ -143,6 +143,8 @@ class Atlas:
 
     def draw(self, encoder: wgpu.GPUCommandEncoder, buffers: SceneBuffers, kind: MapKind) -> None:
         """Draw the maps: what of them, `kind` says."""
+        if kind == MapKind.END and not self._has_ends:
+            return
         targets = {
             MapKind.COLOR: (self._colors, color_pipelines(self._antialias)),
             MapKind.DEPTH: (self._depths, map_pipelines()),

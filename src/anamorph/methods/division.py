@@ -13,11 +13,12 @@ from anamorph.raymesh import RayMesh, RayStatus
 MOST_PATCHES = 64
 
 
-def seen_faces(rays: RayMesh) -> np.ndarray:
-    """The numbers of the faces of which something can be seen: a vertex faces the eye, and one is before it."""
+def seen_faces(rays: RayMesh, size: tuple[int, int]) -> np.ndarray:
+    """The numbers of the faces that may be seen in a picture of `size`: some vertex faces the eye, none are outside."""
     facing = (rays.status != RayStatus.BACK_FACING)[rays.faces].any(axis=1)
-    ahead = (rays.picture[:, 2] > 0.0)[rays.faces].any(axis=1)
-    return np.flatnonzero(facing & ahead)
+    x, y, w = rays.picture.T
+    outside = (w <= 0.0, x < 0.0, x > size[0] * w, y < 0.0, y > size[1] * w)
+    return np.flatnonzero(facing & ~np.any([beyond[rays.faces].all(axis=1) for beyond in outside], axis=0))
 
 
 def divide(rays: RayMesh, faces: np.ndarray, widest: float) -> list[np.ndarray]:

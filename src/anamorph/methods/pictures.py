@@ -26,9 +26,6 @@ from anamorph.scene.camera import Eye
 LEAST, MOST = 16, 4096
 """Texels along a side of a map."""
 
-MOST_TEXELS = 3e7
-"""Of all maps of one depth."""
-
 LEAST_SEEN = 12.0
 """A body that spans fewer texels in a map is not worth maps of its own there."""
 
@@ -139,7 +136,7 @@ class Pictures:
             hits = np.zeros((len(hider), 3))
             distances = np.full(len(hider), np.inf)
             plans = []
-            for faces in divide(sight.rays, seen_faces(sight.rays), np.radians(self._options.field)):
+            for faces in divide(sight.rays, seen_faces(sight.rays, eye.size), np.radians(self._options.field)):
                 plan = plan_map(sight, faces, hider, self._world, self._options.plan)
                 if plan is None:
                     continue
@@ -198,8 +195,9 @@ def _points(body: Body, eye: Eye) -> np.ndarray:
 
 
 def _extent(body: Body, eye: Eye) -> float:
-    """How many texels a body spans at most, in a map; infinite where it reaches behind it."""
+    """How many texels a body spans at most, in a map."""
     places = eye.picture(np.concatenate([side.optics.positions for side in body.sides]))
     if places[:, 2].min() <= 0.0:
-        return np.inf
-    return float(np.ptp(places[:, :2] / places[:, 2:], axis=0).max())
+        return float(max(eye.size))
+    within = np.clip(places[:, :2] / places[:, 2:], 0.0, eye.size)
+    return float(np.ptp(within, axis=0).max())

@@ -38,6 +38,9 @@ EDGE_MARGIN = 1.0
 MAXIMUM_LAYERS = 8
 """How many surfaces of a mirror's rim a ray may pass through."""
 
+MOST_TEXELS = 6.0
+"""Of a map for each pixel that shows it: what is seen most aslant must do with less."""
+
 ROUND = 1.02
 """How much longer than wide a bundle of rays must be for the map to be turned along it."""
 
@@ -53,8 +56,8 @@ class PlanOptions:
     align : bool
         Whether the map's axes follow the principal directions of the rays (4.3).
     strict : bool
-        Whether the map must show all that the mirror does: then it shows what frames the mirror, and a vertex whose
-        ray meets something before the near plane has no place in it.
+        Whether the map must show all that the mirror does: then a vertex whose ray meets something before the near
+        plane has no place in it.
     cast : bool
         Whether to find what the vertex rays hit (step 3.1); else a vertex looks up a point far along its ray.
     """
@@ -104,7 +107,7 @@ class MapPlan:
         width, height = size
         x, y, _, w = self.projections[number].clip
         matrix = np.stack([width / 2.0 * (x + w), height / 2.0 * (w - y), w])
-        return Eye(-self.viewpoint if number else self.viewpoint, matrix)
+        return Eye(-self.viewpoint if number else self.viewpoint, matrix, size)
 
 
 def plan_map(sight: Sight, faces: np.ndarray, hider: np.ndarray, world: World, options: PlanOptions) -> MapPlan | None:
@@ -141,12 +144,12 @@ def plan_map(sight: Sight, faces: np.ndarray, hider: np.ndarray, world: World, o
     viewpoint, frame = _map_frame(rays.origins[facing], directions[facing], weights, options.align)
     normal = _near_normal(weights, outward[facing], directions[facing], frame)
     floor = None
-    if sight.side.hollow and not hider.any():
+    if sight.side.hollow:
         floor = viewpoint[:3] @ normal / viewpoint[3] if frame.convergence > 0.0 else -np.inf
-    near_plane, rim_plane = _near_planes(normal, rays.origins, directions, facing, hider, world, floor)
+    near_plane = _near_plane(normal, rays.origins[facing], floor)
 
     # Steps 3.1 to 3.3: where the lines from the viewpoint to the hits cross the projection plane.
-    found = [_looked_up(each, frame, facing, rim_plane, world, options) for each in bundles]
+    found = [_looked_up(each, frame, facing, near_plane, hider, world, options) for each in bundles]
     hits, distances, places, inside = (np.stack(parts) for parts in zip(*found, strict=True))
     if options.strict:
         for number, each in enumerate(bundles):
@@ -172,8 +175,7 @@ def plan_map(sight: Sight, faces: np.ndarray, hider: np.ndarray, world: World, o
         [texcoords * weight[:, None], np.broadcast_to(weight, valid.shape)[..., None], valid[..., None]], axis=2
     )
     lookups[~valid, :2], lookups[~valid, 2] = 0.5, 1.0
-    plane = near_plane if options.strict else rim_plane
-    projections = [map_projection(frame, bounds, plane, world.corners)]
+    projections = [map_projection(frame, bounds, near_plane, world.corners)]
     if frame.convergence < 0.0:
         projections.insert(0, far_projection(frame, bounds))
         if not world.visible(projections[1].clip).any():
@@ -198,15 +200,22 @@ def _part(rays: RayMesh, vertices: np.ndarray, faces: np.ndarray) -> RayMesh:
 
 
 def _looked_up(
-    rays: RayMesh, frame: MapFrame, facing: np.ndarray, start: np.ndarray, world: World, options: PlanOptions
+    rays: RayMesh,
+    frame: MapFrame,
+    facing: np.ndarray,
+    near_plane: np.ndarray,
+    hider: np.ndarray,
+    world: World,
+    options: PlanOptions,
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
     """Hits (V, 3) and their distances (V,), their places in the image plane (V, 2), and which of these are usable."""
     directions = rays.unit_directions()
     if options.cast:
-        nearest = np.maximum(_crossings(rays.origins, directions, start), world.caster.near)
+        nearest = np.maximum(_crossings(rays.origins, directions, near_plane), world.caster.near)
         # No one sees what catches the rays that miss the far face of a lens: it must not be what frames the lens.
         lost = np.isin(rays.status, (RayStatus.LEFT_BY_EDGE, RayStatus.TOTAL_REFLECTION))
         nearest[lost] += float(np.linalg.norm(np.ptp(rays.origins, axis=0)))
+        nearest = _past_frames(rays, directions, nearest, hider, near_plane[:3], world)
         distances = world.caster.cast(rays.origins, directions, nearest).distance
     else:
         distances = np.full(len(directions), world.diagonal)
@@ -290,40 +299,40 @@ def _near_normal(weights: np.ndarray, normals: np.ndarray, directions: np.ndarra
     return normal / np.linalg.norm(normal) if ahead else frame.axes[2]
 
 
-def _near_planes(
-    normal: np.ndarray,
-    origins: np.ndarray,
-    directions: np.ndarray,
-    facing: np.ndarray,
-    hider: np.ndarray,
-    world: World,
-    floor: float | None,
-) -> tuple[np.ndarray, np.ndarray]:
-    """The planes along the mirror just before its foremost vertex, and just before what frames it, (4,) each.
+def _near_plane(normal: np.ndarray, origins: np.ndarray, floor: float | None) -> np.ndarray:
+    """The plane along the mirror, (4,), just before its foremost vertex; or behind its hindmost one.
 
-    A rim over the mirror's border hides vertices from the eye. It must not hide the scene from them as well: no one
-    sees where their rays meet the rim, but all that is interpolated towards it would be wrong. Where nothing stands
-    behind the mirror, the plane lies behind its hindmost vertex, so that nothing before it is cut off; then `floor` is
-    how high along `normal` the viewpoint lies, which must stay behind the plane.
+    Where nothing stands behind the mirror, the plane does, so that nothing before it is cut off; then `floor` is how high
+    along `normal` the viewpoint lies, which must stay behind the plane.
     """
-    origins, directions, hider = origins[facing], directions[facing], hider[facing]
     diagonal = float(np.linalg.norm(np.ptp(origins, axis=0)))
     heights = origins @ normal
-    clearance = 1e-4 * diagonal
-    if floor is not None:
-        plane = np.append(normal, -max(float(heights.min()) - clearance, floor + 1e-2 * diagonal))
-        return plane, plane
-    foremost = top = float(heights.max())
-    caster = world.caster
-    start = np.full(len(origins), caster.near)
-    for _ in range(MAXIMUM_LAYERS if hider.any() else 0):
-        hits = caster.cast(origins, directions, start)
-        framed = (hider > 0) & (hits.distance < diagonal) & (world.face_object[hits.triangle] == hider)
+    if floor is None:
+        return np.append(normal, -(float(heights.max()) + 1e-4 * diagonal))
+    return np.append(normal, -max(float(heights.min()) - 1e-4 * diagonal, floor + 1e-2 * diagonal))
+
+
+def _past_frames(
+    rays: RayMesh, directions: np.ndarray, start: np.ndarray, hider: np.ndarray, normal: np.ndarray, world: World
+) -> np.ndarray:
+    """How far along each ray what frames the mirror is passed, (V,), for vertices that it hides from the eye.
+
+    A rim over the mirror's border hides vertices from the eye. It must not hide the scene from them as well: no one
+    sees where their rays meet the rim, but all that is interpolated towards it would be wrong. A frame reaches back to
+    the mirror; what stands free before it is seen in it.
+    """
+    if not hider.any():
+        return start
+    diagonal = float(np.linalg.norm(np.ptp(rays.origins, axis=0)))
+    reach = (world.mesh_corners @ normal).min(axis=1) < float((rays.origins @ normal).max())
+    hidden = (hider > 0) & reach[np.maximum(hider, 1) - 1]
+    for _ in range(MAXIMUM_LAYERS if hidden.any() else 0):
+        hits = world.caster.cast(rays.origins, directions, start)
+        framed = hidden & (hits.distance < diagonal) & (world.face_object[hits.triangle] == hider)
         if not framed.any():
             break
-        start = np.where(framed, hits.distance + caster.near, start)
-        top = max(top, float(((origins + start[:, None] * directions) @ normal)[framed].max()))
-    return np.append(normal, -(foremost + clearance)), np.append(normal, -(top + clearance))
+        start = np.where(framed, hits.distance + world.caster.near, start)
+    return start
 
 
 def _crossings(origins: np.ndarray, directions: np.ndarray, plane: np.ndarray) -> np.ndarray:
@@ -352,7 +361,7 @@ def _texels(
     density = pixels / np.maximum(shares, 1e-12)
     order = np.argsort(density)
     covered = np.cumsum(pixels[order])
-    texels = density[order][np.searchsorted(covered, 0.9 * covered[-1])]
+    texels = min(density[order][np.searchsorted(covered, 0.9 * covered[-1])], MOST_TEXELS * covered[-1])
     aspect = np.clip(extent[0] / extent[1], 0.1, 10.0)
     return (float(np.sqrt(texels * aspect)), float(np.sqrt(texels / aspect))), float(shares.sum())
 

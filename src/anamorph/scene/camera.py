@@ -20,10 +20,13 @@ class Eye:
         they all run along -(x, y, z).
     matrix : (3, 4) float64
         From homogeneous world points to homogeneous picture points (x w, y w, w), in pixels from the top left corner.
+    size : (width, height)
+        Of the picture, in pixels.
     """
 
     point: np.ndarray
     matrix: np.ndarray
+    size: tuple[int, int]
 
     def offsets(self, points: np.ndarray) -> np.ndarray:
         """Along the lines of sight to `points`, (N, 3): as long as the distance from the eye, times |w|."""
@@ -89,7 +92,7 @@ class Camera:
         focal = height / (2.0 * np.tan(np.radians(self.field_of_view) / 2.0))
         rows = np.stack([focal * across + width / 2.0 * depth, height / 2.0 * depth - focal * up, depth])
         position = np.asarray(self.position, float)
-        return Eye(np.append(position, 1.0), np.column_stack([rows, -rows @ position]))
+        return Eye(np.append(position, 1.0), np.column_stack([rows, -rows @ position]), size)
 
     def picture(self, points: np.ndarray, size: tuple[int, int]) -> np.ndarray:
         """Where points (N, 3) appear in a picture of `size` (width, height).

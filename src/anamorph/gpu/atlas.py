@@ -54,8 +54,6 @@ class MapView:
         Texels.
     visible : (meshes,) bool
         The meshes that it may see.
-    fronts : tuple of int
-        Mirrors of which it must see no back: the ones whose map it is.
     replaced : tuple of int
         Mirrors whose fronts `extra` draws.
     sky : bool
@@ -67,7 +65,6 @@ class MapView:
     projection: Projection
     size: tuple[int, int]
     visible: np.ndarray
-    fronts: tuple[int, ...] = ()
     replaced: tuple[int, ...] = ()
     sky: bool = True
     extra: Callable[[MapKind, wgpu.GPURenderPassEncoder], None] | None = None
@@ -163,7 +160,6 @@ class Atlas:
                 buffers,
                 uniform,
                 replaced=() if extra is None else view.replaced,
-                fronts=view.fronts,
                 visible=view.visible,
                 sky=view.sky,
                 extra=None if extra is None else partial(extra, kind),

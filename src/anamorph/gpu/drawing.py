@@ -170,7 +170,6 @@ def draw_scene(
     buffers: SceneBuffers,
     projection: ProjectionUniform,
     replaced: Sequence[int] = (),
-    fronts: Sequence[int] = (),
     visible: np.ndarray | None = None,
     sky: bool = True,
     extra: Callable[[wgpu.GPURenderPassEncoder], None] | None = None,
@@ -182,8 +181,6 @@ def draw_scene(
     render_pass, pipelines, buffers, projection
     replaced : sequence of int
         The mirrors whose fronts a method draws itself.
-    fronts : sequence of int
-        Those that have no back to be seen.
     visible : (meshes,) bool, optional
         The meshes that may be in the picture.
     sky : bool
@@ -201,7 +198,7 @@ def draw_scene(
     _draw_ranges(render_pass, pipelines.depth, buffers, diffuse)
     _draw_ranges(render_pass, pipelines.meshes, buffers, diffuse)
     mirrors = [index for index in buffers.mirrors if present[index]]
-    _draw_ranges(render_pass, pipelines.backs, buffers, [(i, i + 1) for i in mirrors if i not in fronts])
+    _draw_ranges(render_pass, pipelines.backs, buffers, [(i, i + 1) for i in mirrors])
     _draw_ranges(render_pass, pipelines.stand_ins, buffers, [(i, i + 1) for i in mirrors if i not in replaced])
     if sky:
         render_pass.set_pipeline(pipelines.sky)

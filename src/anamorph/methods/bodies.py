@@ -34,8 +34,8 @@ class Side:
         Their numbers in the scene's geometry.
     smooth : (F,) bool
         Whether the true surface lies off the triangle.
-    hollow : bool
-        Whether nothing else of the scene stands behind it.
+    behind : (V,) float64
+        How far behind each vertex something else of the scene stands; infinite for nothing.
     edge : int
         The object number of a lens's edge; 0 for none.
     """
@@ -44,7 +44,7 @@ class Side:
     optics: Reflector | Refractor
     triangles: np.ndarray
     smooth: np.ndarray
-    hollow: bool
+    behind: np.ndarray
     edge: int = 0
 
 
@@ -175,13 +175,14 @@ def _mirror_side(scene: Scene, geometry: Geometry, world: World, group: Sequence
     )
     smooth = [np.full(len(part.faces), scene.meshes[i].surface is not None) for i, part in zip(group, parts, strict=True)]
     own = tuple(index + 1 for index in group)
-    hollow = world.free_behind(optics.positions, optics.normals, own)
-    return Side(tuple(group), optics, _triangles(geometry, group), np.concatenate(smooth), hollow)
+    behind = world.behind(optics.positions, optics.normals, own)
+    return Side(tuple(group), optics, _triangles(geometry, group), np.concatenate(smooth), behind)
 
 
 def _lens_side(scene: Scene, geometry: Geometry, near: int, far: int, edge: int) -> Side:
     optics = refractor(scene.meshes[near], scene.meshes[far])
-    return Side((near,), optics, _triangles(geometry, (near,)), np.ones(len(optics.faces), bool), False, edge)
+    smooth, behind = np.ones(len(optics.faces), bool), np.zeros(len(optics.positions))
+    return Side((near,), optics, _triangles(geometry, (near,)), smooth, behind, edge)
 
 
 def _triangles(geometry: Geometry, meshes: Sequence[int]) -> np.ndarray:

@@ -10,8 +10,7 @@ import numpy as np
 
 from anamorph.raymesh import RayMesh, RayStatus
 
-MOST_PATCHES = 64
-
+MOST_PATCHES = 32
 
 def seen_faces(rays: RayMesh, size: tuple[int, int]) -> np.ndarray:
     """The numbers of the faces that may be seen in a picture of `size`: some vertex faces the eye, none are outside."""
@@ -24,7 +23,9 @@ def seen_faces(rays: RayMesh, size: tuple[int, int]) -> np.ndarray:
 def divide(rays: RayMesh, faces: np.ndarray, widest: float) -> list[np.ndarray]:
     """Divide faces into patches, until the rays of each lie within a cone.
 
-    The patch with the widest cone is halved across the direction in which its rays spread most.
+    Axes of cones are chosen one by one, each along the ray that lies farthest outside the cones before it; each face
+    goes to the nearest axis. That takes at most as many cones as would be needed of half the width.
+    Source: Gonzalez, "Clustering to minimize the maximum intercluster distance" (1985).
 
     Parameters
     ----------
@@ -42,37 +43,25 @@ def divide(rays: RayMesh, faces: np.ndarray, widest: float) -> list[np.ndarray]:
     if not len(faces):
         return []
     directions = rays.unit_directions()
-    facing = rays.status == RayStatus.OK
-    means = _mean_directions(directions, facing, rays.faces)
-    waiting, done = [faces], []
-    while waiting:
-        patch = waiting.pop()
-        vertices = np.unique(rays.faces[patch])
-        vertices = vertices[facing[vertices]] if facing[vertices].any() else vertices
-        limit = len(waiting) + len(done) + 1 >= MOST_PATCHES
-        if len(patch) == 1 or limit or _cone(directions[vertices]) <= widest:
-            done.append(patch)
-            continue
-        spread = means[patch] - means[patch].mean(axis=0)
-        _, _, axes = np.linalg.svd(spread, full_matrices=False)
-        along = spread @ axes[0]
-        upper = along > 0.5 * (along.min() + along.max())
-        if upper.all() or not upper.any():
-            upper = np.arange(len(patch)) < len(patch) // 2
-        waiting += [patch[upper], patch[~upper]]
-    return done
+    means = _mean_directions(directions, rays.status == RayStatus.OK, rays.faces[faces])
+    first = means.sum(axis=0)
+    nearest = means @ (first / (np.linalg.norm(first) or 1.0))
+    if nearest.min() >= np.cos(0.5 * widest):
+        return [faces]
+    patch = np.zeros(len(faces), int)
+    nearest = np.full(len(faces), -np.inf)
+    for number in range(MOST_PATCHES):
+        farthest = np.argmin(nearest) if number else np.argmax(means @ first)
+        if nearest[farthest] >= np.cos(0.5 * widest):
+            break
+        closeness = means @ means[farthest]
+        patch[closeness > nearest] = number
+        nearest = np.maximum(nearest, closeness)
+    return [faces[patch == number] for number in range(patch.max() + 1)]
 
 
 def _mean_directions(directions: np.ndarray, facing: np.ndarray, faces: np.ndarray) -> np.ndarray:
     """The mean direction of each face's vertices that face the eye, or of all three."""
     weights = np.where(facing, 1.0, 1e-6)[faces]
-    return np.einsum("fc,fci->fi", weights / weights.sum(axis=1, keepdims=True), directions[faces])
-
-
-def _cone(directions: np.ndarray) -> float:
-    """The full angle of the cone around unit directions' mean that holds them all."""
-    mean = directions.mean(axis=0)
-    length = np.linalg.norm(mean)
-    if length < 1e-9:
-        return 2.0 * np.pi
-    return 2.0 * float(np.arccos(np.clip((directions @ mean).min() / length, -1.0, 1.0)))
+    means = np.einsum("fc,fci->fi", weights, directions[faces])
+    return means / np.maximum(np.linalg.norm(means, axis=1, keepdims=True), 1e-12)

@@ -162,6 +162,7 @@ class Pictures:
         """One map of a plan, with what other bodies show in it."""
         projection = plan.projections[number]
         visible = self._world.visible(projection.clip)
+        visible[list(body.meshes)] = False
         inner = None
         if depth + 1 < len(self._levels):
             eye = plan.eye(number, size)
@@ -177,7 +178,6 @@ class Pictures:
             projection,
             size,
             visible,
-            fronts=body.meshes,
             replaced=() if inner is None else inner.replaced,
             sky=number == 0,
             extra=partial(_each, extras) if extras else None,

@@ -35,6 +35,9 @@ FARTHEST = 1e4
 EDGE_MARGIN = 1.0
 """By how much of the fan of converging rays a hit near their crossing may lie outside it."""
 
+CLEARANCE = 1e-4
+"""Between the near plane and the vertices, in sizes of the patch."""
+
 MAXIMUM_LAYERS = 8
 """How many surfaces of a mirror's rim a ray may pass through."""
 
@@ -143,13 +146,15 @@ def plan_map(sight: Sight, faces: np.ndarray, hider: np.ndarray, world: World, o
         return None
     viewpoint, frame = _map_frame(rays.origins[facing], directions[facing], weights, options.align)
     normal = _near_normal(weights, outward[facing], directions[facing], frame)
-    floor = None
-    if sight.side.hollow:
-        floor = viewpoint[:3] @ normal / viewpoint[3] if frame.convergence > 0.0 else -np.inf
-    near_plane = _near_plane(normal, rays.origins[facing], floor)
+    past, top = _frame(rays, directions, hider, facing, normal, world)
+    near_plane = _near_plane(normal, rays.origins[facing], sight.side.behind[vertices][facing], viewpoint, frame)
+    if np.isfinite(top):
+        foremost = (rays.origins[facing] @ normal).max()
+        near_plane[3] = -(foremost if options.strict else max(foremost, top)) - CLEARANCE * _size(rays.origins[facing])
 
     # Steps 3.1 to 3.3: where the lines from the viewpoint to the hits cross the projection plane.
-    found = [_looked_up(each, frame, facing, near_plane, hider, world, options) for each in bundles]
+    own = tuple(mesh + 1 for mesh in sight.side.meshes)
+    found = [_looked_up(each, frame, facing, near_plane, past, own, world, options) for each in bundles]
     hits, distances, places, inside = (np.stack(parts) for parts in zip(*found, strict=True))
     if options.strict:
         for number, each in enumerate(bundles):
@@ -204,19 +209,19 @@ def _looked_up(
     frame: MapFrame,
     facing: np.ndarray,
     near_plane: np.ndarray,
-    hider: np.ndarray,
+    past: np.ndarray,
+    own: tuple[int, ...],
     world: World,
     options: PlanOptions,
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
     """Hits (V, 3) and their distances (V,), their places in the image plane (V, 2), and which of these are usable."""
     directions = rays.unit_directions()
     if options.cast:
-        nearest = np.maximum(_crossings(rays.origins, directions, near_plane), world.caster.near)
+        nearest = np.maximum(_crossings(rays.origins, directions, near_plane), past)
         # No one sees what catches the rays that miss the far face of a lens: it must not be what frames the lens.
         lost = np.isin(rays.status, (RayStatus.LEFT_BY_EDGE, RayStatus.TOTAL_REFLECTION))
-        nearest[lost] += float(np.linalg.norm(np.ptp(rays.origins, axis=0)))
-        nearest = _past_frames(rays, directions, nearest, hider, near_plane[:3], world)
-        distances = world.caster.cast(rays.origins, directions, nearest).distance
+        nearest[lost] += _size(rays.origins)
+        distances, met = world.cast_past(rays.origins, directions, nearest, own)
     else:
         distances = np.full(len(directions), world.diagonal)
     hits = rays.origins + np.minimum(distances, FARTHEST * world.diagonal)[:, None] * directions
@@ -231,6 +236,8 @@ def _looked_up(
         margin = EDGE_MARGIN * (high - low).max()
         places = np.clip(np.where(usable[:, None], places, fan), low - margin, high + margin)
         usable = directions @ frame.axes[2] > 0.0
+    if options.strict and options.cast:
+        usable &= ~(met & facing)
     usable &= np.abs(frame.convergence * places - frame.slope).max(axis=1) < WIDEST
     return hits, distances, places, usable
 
@@ -299,40 +306,50 @@ def _near_normal(weights: np.ndarray, normals: np.ndarray, directions: np.ndarra
     return normal / np.linalg.norm(normal) if ahead else frame.axes[2]
 
 
-def _near_plane(normal: np.ndarray, origins: np.ndarray, floor: float | None) -> np.ndarray:
-    """The plane along the mirror, (4,), just before its foremost vertex; or behind its hindmost one.
-
-    Where nothing stands behind the mirror, the plane does, so that nothing before it is cut off; then `floor` is how high
-    along `normal` the viewpoint lies, which must stay behind the plane.
-    """
-    diagonal = float(np.linalg.norm(np.ptp(origins, axis=0)))
-    heights = origins @ normal
-    if floor is None:
-        return np.append(normal, -(float(heights.max()) + 1e-4 * diagonal))
-    return np.append(normal, -max(float(heights.min()) - 1e-4 * diagonal, floor + 1e-2 * diagonal))
-
-
-def _past_frames(
-    rays: RayMesh, directions: np.ndarray, start: np.ndarray, hider: np.ndarray, normal: np.ndarray, world: World
+def _near_plane(
+    normal: np.ndarray, origins: np.ndarray, behind: np.ndarray, viewpoint: np.ndarray, frame: MapFrame
 ) -> np.ndarray:
-    """How far along each ray what frames the mirror is passed, (V,), for vertices that it hides from the eye.
+    """The plane along the mirror, (4,), that hides what stands behind it, and as little as can be of what stands before.
+
+    At most it lies just before the foremost vertex. `behind` says how far behind each vertex something stands.
+    """
+    heights = origins @ normal
+    clearance = CLEARANCE * _size(origins)
+    # Half the way to what stands behind: between the vertices it may be nearer.
+    level = max(float(heights.min()) - clearance, float((heights - 0.5 * behind).max()))
+    if frame.convergence > 0.0:
+        level = max(level, float(viewpoint[:3] @ normal / viewpoint[3]) + 1e2 * clearance)
+    return np.append(normal, -min(level, float(heights.max()) + clearance))
+
+
+def _frame(
+    rays: RayMesh, directions: np.ndarray, hider: np.ndarray, facing: np.ndarray, normal: np.ndarray, world: World
+) -> tuple[np.ndarray, float]:
+    """How far along each ray what frames the mirror is passed, (V,), and how high along `normal` that reaches.
 
     A rim over the mirror's border hides vertices from the eye. It must not hide the scene from them as well: no one
     sees where their rays meet the rim, but all that is interpolated towards it would be wrong. A frame reaches back to
     the mirror; what stands free before it is seen in it.
     """
+    start, top = np.full(len(hider), world.caster.near), -np.inf
     if not hider.any():
-        return start
-    diagonal = float(np.linalg.norm(np.ptp(rays.origins, axis=0)))
-    reach = (world.mesh_corners @ normal).min(axis=1) < float((rays.origins @ normal).max())
-    hidden = (hider > 0) & reach[np.maximum(hider, 1) - 1]
+        return start, top
+    size = _size(rays.origins)
+    reaches = (world.mesh_corners @ normal).min(axis=1) < float((rays.origins @ normal).max())
+    hidden = (hider > 0) & reaches[np.maximum(hider, 1) - 1] & facing
     for _ in range(MAXIMUM_LAYERS if hidden.any() else 0):
         hits = world.caster.cast(rays.origins, directions, start)
-        framed = hidden & (hits.distance < diagonal) & (world.face_object[hits.triangle] == hider)
+        framed = hidden & (hits.distance < size) & (world.face_object[hits.triangle] == hider)
         if not framed.any():
             break
         start = np.where(framed, hits.distance + world.caster.near, start)
-    return start
+        top = max(top, float(((rays.origins + start[:, None] * directions) @ normal)[framed].max()))
+    return start, top
+
+
+def _size(points: np.ndarray) -> float:
+    """The diagonal of the box around points."""
+    return float(np.linalg.norm(np.ptp(points, axis=0)))
 
 
 def _crossings(origins: np.ndarray, directions: np.ndarray, plane: np.ndarray) -> np.ndarray:

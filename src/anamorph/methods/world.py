@@ -10,6 +10,10 @@ from anamorph.rays import Caster
 from anamorph.scene.geometry import Geometry
 
 
+MOST_LAYERS = 4
+"""How many of a body's own surfaces a ray is followed through."""
+
+
 @dataclass(frozen=True, eq=False)
 class World:
     """A scene around its mirrors.
@@ -46,15 +50,29 @@ class World:
         hidden = (sight.triangle >= 0) & (sight.distance < 1.0 - 1e-4)
         return np.where(hidden, self.face_object[sight.triangle], 0)
 
-    def free_behind(self, points: np.ndarray, outward: np.ndarray, own: tuple[int, ...]) -> bool:
-        """Whether nothing stands behind a surface, at `points` with normals `outward`, but itself.
+    def behind(self, points: np.ndarray, outward: np.ndarray, own: tuple[int, ...]) -> np.ndarray:
+        """How far behind a surface, at `points` (N, 3) with normals `outward`, something else stands, (N,).
 
-        `own` are the numbers of its objects. Looked for as far as the surface is large.
+        `own` are the numbers of its own objects; infinite where one of them comes first, or nothing.
         """
         reach = float(np.linalg.norm(np.ptp(points, axis=0)))
         hits = self.caster.cast(points, -outward, 1e-4 * reach)
-        foreign = (hits.triangle >= 0) & (hits.distance < reach)
-        return not (foreign & ~np.isin(self.face_object[hits.triangle], own)).any()
+        foreign = (hits.triangle >= 0) & ~np.isin(self.face_object[hits.triangle], own)
+        return np.where(foreign, hits.distance, np.inf)
+
+    def cast_past(
+        self, origins: np.ndarray, directions: np.ndarray, near: np.ndarray, own: tuple[int, ...]
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """How far rays go that pass through the objects `own`, (N,), infinite for the sky; and whether they met them."""
+        start, met = near, np.zeros(len(origins), bool)
+        for _ in range(MOST_LAYERS):
+            hits = self.caster.cast(origins, directions, start)
+            passed = (hits.triangle >= 0) & np.isin(self.face_object[hits.triangle], own)
+            if not passed.any():
+                break
+            met |= passed
+            start = np.where(passed, hits.distance + self.caster.near, start)
+        return np.where(passed, np.inf, hits.distance), met
 
 
 def world_of(geometry: Geometry) -> World:

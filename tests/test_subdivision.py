@@ -45,7 +45,6 @@ def wavy():
 
 
 POLE = next(mesh for mesh in teapot((0.0, 0.0, 0.0), 0.16, 20.0, Mirror(), 7) if mesh.name == "teapot/lid-0")
-HALF_SPHERE = Sphere(np.array([0.1, 0.2, -0.3]), 1.3, TILTED)
 MESHES = {
     "plane": flat_mirror(),
     "sphere": spherical_mirror(),

@@ -17,6 +17,7 @@ from anamorph.scene.model import Glass, Material, Mesh, Scene
 from anamorph.scene.subdivision import between, split, subdivided, turned_normals
 
 MOST_LEVELS = 4
+MOST_CUTS = 6
 MOST_TRIANGLES = 200_000
 
 PERCENTILE = 99.0
@@ -95,8 +96,9 @@ def refined_scene(scene: Scene, size: tuple[int, int], tolerance: float) -> Scen
 
     Only meshes with an exact surface get them, for the scene's camera. Each triangle is judged for itself, and meshes
     that share an edge cut it alike; one that is shared with a mesh without an exact surface stays whole. A triangle is
-    cut at most four times, and none that is smaller than a pixel. Of all these meshes together there are never more
-    than 200,000 triangles: those that err the most come first. What the eye sees only in another mirror stays as it is.
+    cut at most six times, and none that is smaller than a pixel. Of all these meshes together there are never more
+    than 200,000 triangles: those that err the most come first. What the eye sees only in another mirror stays as it is,
+    and so does what reaches behind the eye.
 
     Parameters
     ----------
@@ -118,7 +120,7 @@ def refined_scene(scene: Scene, size: tuple[int, int], tolerance: float) -> Scen
         if mesh.specular and mesh.surface is not None and mesh.parameters is not None
     ]
     meshes = list(scene.meshes)
-    for _ in range(MOST_LEVELS if chosen else 0):
+    for _ in range(MOST_CUTS if chosen else 0):
         errors, areas = map(
             np.concatenate, zip(*(normal_errors(meshes[number], scene.camera, size) for number in chosen), strict=True)
         )
@@ -126,12 +128,12 @@ def refined_scene(scene: Scene, size: tuple[int, int], tolerance: float) -> Scen
         most = max(MOST_TRIANGLES - len(errors), 0) // 6
         coarse = np.flatnonzero((errors > tolerance) & (areas > SMALLEST))
         coarse = coarse[np.argsort(-errors[coarse], kind="stable")][:most]
-        if not len(coarse):
-            break
         edges = _edges(meshes)
         owner = np.repeat(np.arange(len(meshes)), [len(mesh.faces) for mesh in meshes])
         refined = np.isin(owner, chosen)
         wanted = np.setdiff1d(edges[refined][coarse], edges[~refined])
+        if not len(wanted):
+            break
         cut = np.isin(edges, wanted)
         for number in chosen:
             meshes[number] = split(meshes[number], cut[owner == number])
@@ -161,8 +163,8 @@ def _shown(mesh: Mesh, camera: Camera, size: tuple[int, int]) -> tuple[np.ndarra
         # Both sides are looked at, but where some corners show the one and some the other, rays do not change smoothly.
         toward = np.sum((np.asarray(camera.position) - positions) * mesh.normals, axis=1) > 0.0
         areas = np.abs(areas) * (toward[mesh.faces] == toward[mesh.faces][:, :1]).all(axis=1)
-    middle = corners.mean(axis=1)
-    shown = ahead[mesh.faces].all(axis=1) & ((middle > 0.0) & (middle < np.asarray(size))).all(axis=1)
+    inside = ((corners.max(axis=1) > 0.0) & (corners.min(axis=1) < np.asarray(size))).all(axis=1)
+    shown = ahead[mesh.faces].all(axis=1) & inside
     return corners, np.where(shown & (areas > 1e-9), areas, 0.0)
 
 

@@ -8,15 +8,17 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from scenes import CAMERA, SIZE, flat_mirror, open_edges, scene_with, spherical_mirror, surroundings
+from scenes import CAMERA, SIZE, drawn, flat_mirror, open_edges, scene_with, spherical_mirror, surroundings
 from test_nurbs import torus_surface
 from test_subdivision import mesh_on, wavy
 
 from anamorph.errors import AnamorphError
+from anamorph.measure.errors import silhouettes
 from anamorph.optics import tessellation
 from anamorph.optics.tessellation import fine_enough, normal_error, normal_errors, refined_scene
 from anamorph.scene.builtin.teapot import teapot
 from anamorph.scene.camera import Camera
+from anamorph.scene.lens import Prescription, worn_lens
 from anamorph.scene.model import Diffuse, Glass, Mirror, Scene
 from anamorph.scene.sag import EvenAsphere
 from anamorph.scene.subdivision import subdivided
@@ -186,6 +188,26 @@ def test_an_edge_shared_with_a_mesh_that_cannot_follow_stays_whole():
     assert shared & edges(patch) <= edges(beside.meshes[0])
     assert not shared & edges(patch) <= edges(alone.meshes[0])
     assert len(beside.meshes[0].faces) > 2 * len(patch.faces)
+
+
+def test_a_lens_stays_closed_around_its_edge():
+    lens = worn_lens(Prescription(-6.0, cylinder=-3.0, axis=30.0), (0.0, 0.0, 0.0), (0.0, 0.0, -1.0))
+    assert not open_edges(*lens.meshes)
+    camera = Camera((0.0, 0.0, 0.0), (0.0, 0.0, -1.0), field_of_view=70.0)
+    refined = refined_scene(Scene("lens", lens.meshes, camera), (800, 600), 1e-4)
+    assert max(len(face.faces) for face in refined.meshes[:2]) > 2 * len(lens.front.faces)
+    assert not open_edges(*refined.meshes)
+
+
+def test_a_ray_traced_picture_stays_what_it_was():
+    patch, camera = gentle()
+    floor = replace(surroundings()[0], positions=surroundings()[0].positions * np.float32(0.5))
+    scene = Scene("traced", (patch, floor), camera)
+    before, after = drawn(scene, "raytrace"), drawn(refined_scene(scene, SIZE, 0.5), "raytrace")
+    seen = ~silhouettes(before.object_id, before.specular)
+    assert (before.specular == after.specular)[seen].all()
+    np.testing.assert_allclose(after.position[seen], before.position[seen], atol=1e-4)
+    np.testing.assert_allclose(after.color[seen], before.color[seen], atol=1e-3)
 
 
 def test_scenes_without_exact_surfaces_and_fine_ones_stay_as_they_are():

@@ -18,7 +18,7 @@ from anamorph.scene.builtin.teapot import teapot
 from anamorph.scene.model import Mesh, Mirror
 from anamorph.scene.normals import doubled_areas, has_area
 from anamorph.scene.sag import EvenAsphere, Toroid
-from anamorph.scene.subdivision import split, subdivided
+from anamorph.scene.subdivision import between, split, subdivided
 from anamorph.scene.surfaces import BezierPatch, Sphere
 
 TILTED = np.array([[0.8, 0.0, -0.6], [0.36, 0.8, 0.48], [0.48, -0.6, 0.64]])
@@ -87,7 +87,8 @@ def test_every_vertex_is_on_the_surface_with_its_exact_normal_on_the_meshs_side(
         assert getattr(finer, field).dtype == getattr(mesh, field).dtype and np.isfinite(getattr(finer, field)).all()
     exact = mesh.surface.position(finer.parameters)
     assert np.abs(off_surface(name, exact)).max() < 1e-12
-    np.testing.assert_allclose(finer.positions, exact, rtol=2e-7, atol=1e-9)
+    # Rounded to a nanometre first: what is nought but for the last digit is nought from both sides of a border.
+    assert (finer.positions[count:] == np.round(exact[count:], 9).astype(np.float32)).all()
     side = np.sum(mesh.surface.normal(mesh.parameters) * mesh.normals, axis=1).mean()
     np.testing.assert_allclose(finer.normals, np.sign(side) * mesh.surface.normal(finer.parameters), atol=2e-7)
 
@@ -126,6 +127,9 @@ def test_any_edges_can_be_cut(seed, share, name):
     assert len(finer.faces) == len(mesh.faces) + cut.sum()
     start, stop = mesh.positions[mesh.faces], np.roll(mesh.positions[mesh.faces], -1, axis=1)
     edges = {(tuple(a), tuple(b)) for a, b in zip((start + 0)[cut].tolist(), (stop + 0)[cut].tolist(), strict=True)}
+    parent = np.repeat(np.arange(len(mesh.faces)), 1 + cut.sum(axis=1))
+    apart = np.linalg.norm(finer.positions[finer.faces].mean(axis=1) - start.mean(axis=1)[parent], axis=1)
+    assert (apart <= np.linalg.norm(stop - start, axis=2).max(axis=1)[parent]).all()
     open_before = open_edges(mesh)
     assert len(open_edges(finer)) == len(open_before) + len(open_before & edges)
     area, around = doubled_areas(finer.positions, finer.faces), finer.normals[finer.faces].mean(axis=1)
@@ -185,7 +189,8 @@ def test_parts_of_any_triangle_on_a_sphere_cover_it_once(angles, radius, levels)
     finer = subdivided(mesh, levels)
     parts = solid_angles(sphere.normal(finer.parameters)[finer.faces])
     assert parts.min() > 0.0
-    assert parts.sum() == pytest.approx(solid_angles(corners[None])[0], rel=1e-6)
+    # Positions are rounded to a nanometre, and the next level halves the edges between them.
+    assert parts.sum() == pytest.approx(solid_angles(corners[None])[0], rel=1e-6, abs=1e-8 / radius)
 
 
 def test_an_edge_through_the_middle_of_a_sphere_is_refused():
@@ -211,6 +216,14 @@ def test_seams_may_be_sewn_up(name):
     assert not open_edges(finer)
     assert np.abs(off_surface(name, mesh.surface.position(finer.parameters))).max() < 1e-12
     np.testing.assert_allclose(finer.positions[finer.faces], apart.positions[apart.faces], atol=2e-7)
+
+
+def test_a_pole_leads_nowhere_where_its_neighbours_lie_across_a_seam():
+    surface = sphere_surface()
+    uv = np.array([[2.0, 2.0], [0.1, 1.5], [3.9, 1.5]])
+    for order in ([0, 1, 2], [1, 2, 0], [2, 0, 1]):
+        middle = between(surface, uv[None, order], surface.position(uv)[None, order])[0]
+        assert min(middle[0], 4.0 - middle[0]) < 1e-9 and middle[1] == pytest.approx(5.0 / 3.0)
 
 
 def test_neighbouring_patches_of_a_teapot_still_meet():

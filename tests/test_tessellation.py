@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scenes import CAMERA, SIZE, drawn, flat_mirror, open_edges, scene_with, spherical_mirror, surroundings
-from test_nurbs import torus_surface
+from test_nurbs import sphere_surface, torus_surface
 from test_subdivision import mesh_on, wavy
 
 from anamorph.errors import AnamorphError
@@ -20,7 +20,7 @@ from anamorph.scene.builtin.teapot import teapot
 from anamorph.scene.camera import Camera
 from anamorph.scene.lens import Prescription, worn_lens
 from anamorph.scene.model import Diffuse, Glass, Mirror, Scene
-from anamorph.scene.sag import EvenAsphere
+from anamorph.scene.sag import EvenAsphere, Toroid
 from anamorph.scene.subdivision import subdivided
 from anamorph.scene.surfaces import BezierPatch
 
@@ -56,6 +56,28 @@ def test_glass_counts_as_much_as_it_bends():
         eye = replace(AHEAD, position=(0.0, 0.0, 2.0 * side))
         error = normal_error(tilted(small(Glass(index)), 1e-3), eye, (800, 600))
         assert error == pytest.approx((index - 1.0) * 1e-3 / PIXEL, rel=0.02)
+
+
+def test_where_a_mirror_bends_but_one_way_an_error_counts_more_the_other_way():
+    mesh = mesh_on(Toroid(np.zeros(3), 5.0, 0.0), (-0.01, -0.01), (0.01, 0.01), (8, 8))
+    for axis, turn in [((1.0, 0.0, 0.0), 1.0), ((0.0, 1.0, 0.0), 1.0 + 2.0 * 5.0 * 2.0)]:
+        error = normal_error(tilted(mesh, 1e-3, axis), AHEAD, (800, 600))
+        assert error == pytest.approx(2e-3 / (turn * PIXEL), rel=0.05)
+
+
+def test_uneven_parameters_are_no_error_of_the_normals():
+    # The parameters of a rational sphere run faster in the middle of each quarter than at its ends.
+    mesh = mesh_on(sphere_surface(np.zeros(3), 0.2), (0.1, 0.6), (0.5, 0.9), (3, 3))
+    middle, outside = mesh.positions.mean(axis=0), mesh.normals.mean(axis=0)
+    camera = Camera(tuple(middle + 2.0 * outside), tuple(middle), field_of_view=5.0)
+    assert normal_error(mesh, camera, (800, 600)) < 1.0
+
+
+def test_what_is_smaller_than_a_pixel_is_not_cut():
+    patch, camera = gentle()
+    scene = scene_with(subdivided(patch, 2), camera=camera)
+    assert normal_error(scene.meshes[0], camera, (40, 30)) > 0.01
+    assert refined_scene(scene, (40, 30), 0.001).meshes[0] is scene.meshes[0]
 
 
 def test_areas_are_those_of_the_picture_and_what_is_not_seen_has_no_error():

@@ -16,6 +16,7 @@ from anamorph.errors import AnamorphError
 from anamorph.measure.errors import silhouettes
 from anamorph.optics import tessellation
 from anamorph.optics.tessellation import fine_enough, normal_error, normal_errors, refined_scene
+from anamorph.scene.builtin.spheres import mirror_ball
 from anamorph.scene.builtin.teapot import teapot
 from anamorph.scene.camera import Camera
 from anamorph.scene.lens import Prescription, worn_lens
@@ -93,6 +94,16 @@ def test_areas_are_those_of_the_picture_and_what_is_not_seen_has_no_error():
     for camera in (behind, away, aside):
         assert not any(values.any() for values in normal_errors(mesh, camera, (800, 600)))
         assert normal_error(mesh, camera, (800, 600)) == 0.0 and fine_enough(mesh, camera, (800, 600), 1e-9) == 0
+
+
+def test_what_is_behind_the_eye_is_not_seen():
+    ball = mirror_ball("ball", (0.0, 0.0, 0.0), 0.6, 12, 24)
+    hollow = replace(ball, faces=ball.faces[:, ::-1], normals=-ball.normals, material=Glass())
+    camera = Camera((0.0, 0.0, 0.1), (0.3, 0.1, -1.0), field_of_view=60.0)
+    errors, areas = normal_errors(hollow, camera, (800, 600))
+    behind = (hollow.positions - camera.position) @ camera.axes()[2] <= 0.0
+    assert not areas[behind[hollow.faces].any(axis=1)].any() and np.isfinite(errors).all()
+    assert 800 * 600 < areas.sum() < 2 * 800 * 600
 
 
 def test_flat_mirrors_are_right_and_spheres_nearly():

@@ -142,8 +142,7 @@ def refined_scene(scene: Scene, size: tuple[int, int], tolerance: float) -> Scen
 
 def _edges(meshes: list[Mesh]) -> np.ndarray:
     """A number for each edge of each triangle, (F, 3) int64, the same for edges between the same two places."""
-    # Adding zero turns -0 into 0.
-    positions = np.concatenate([np.asarray(mesh.positions, np.float32) for mesh in meshes]) + np.float32(0.0)
+    positions = np.concatenate([np.asarray(mesh.positions, np.float32) for mesh in meshes])
     first = np.cumsum([0, *(len(mesh.positions) for mesh in meshes)])
     faces = np.concatenate([mesh.faces + offset for mesh, offset in zip(meshes, first, strict=False)])
     start = np.unique(positions, axis=0, return_inverse=True)[1].reshape(-1).astype(np.int64)[faces]

@@ -90,3 +90,15 @@ def pixels_of(camera: Camera, size: tuple[int, int], points: np.ndarray) -> np.n
     across, up, depth = np.moveaxis((np.asarray(points, float) - camera.position) @ camera.axes().T, -1, 0)
     focal = size[1] / (2.0 * np.tan(np.radians(camera.field_of_view) / 2.0))
     return np.stack([size[0] / 2.0 + focal * across / depth, size[1] / 2.0 - focal * up / depth], axis=-1)
+
+
+def open_edges(*meshes: Mesh) -> set[tuple[tuple[float, ...], tuple[float, ...]]]:
+    """Edges, from place to place, that no triangle of these meshes runs along the other way: borders and cracks."""
+    starts, stops = [], []
+    for mesh in meshes:
+        # Adding zero turns -0 into 0.
+        corners = mesh.positions[mesh.faces] + np.float32(0.0)
+        starts += map(tuple, corners.reshape(-1, 3).tolist())
+        stops += map(tuple, np.roll(corners, -1, axis=1).reshape(-1, 3).tolist())
+    edges = set(zip(starts, stops, strict=True))
+    return {edge for edge in edges if edge[::-1] not in edges}

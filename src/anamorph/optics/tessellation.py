@@ -1,0 +1,190 @@
+"""Whether a specular mesh is fine enough for a picture, and a scene whose meshes are.
+
+Between its vertices a mesh has interpolated normals. Where the exact surface is known, so is what they are wrong by,
+and how many pixels that is once a ray has been bent there: the error of the ray over what the ray turns in a pixel.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from anamorph.errors import AnamorphError
+from anamorph.optics.laws import reflect, refract
+from anamorph.scene.camera import Camera
+from anamorph.scene.model import Glass, Material, Mesh, Scene
+from anamorph.scene.subdivision import between, split, subdivided, turned_normals
+
+MOST_LEVELS = 4
+MOST_CUTS = 6
+MOST_TRIANGLES = 200_000
+
+PERCENTILE = 99.0
+"""The share of the pixels, in percent, by which a mesh is judged as a whole."""
+
+SMALLEST = 1.0
+"""Triangles smaller than this are not cut, in pixels."""
+
+SAMPLES = ([0, 1], [1, 2], [2, 0], [0, 1, 2])
+"""Where normals are compared: in the middle of each edge of a triangle, and in its own, by the corners around."""
+
+
+def normal_errors(mesh: Mesh, camera: Camera, size: tuple[int, int]) -> tuple[np.ndarray, np.ndarray]:
+    """How far interpolated normals lead rays astray on each triangle, in pixels of the picture.
+
+    A ray that turns more slowly than the eye's own rays do counts as if it turned like them: where a mirror or a lens
+    magnifies without bounds, so would the error.
+
+    Parameters
+    ----------
+    mesh : Mesh
+        A mirror or glass with its surface and parameters. Rays are followed through glass as if they left it by a flat
+        face, so that a face's own share of what a lens does counts.
+    camera : Camera
+    size : (width, height)
+
+    Returns
+    -------
+    errors : (F,) float64
+        Pixels, the greatest of four samples; 0 for a triangle that is turned away or not in the picture. One hidden
+        behind others counts.
+    areas : (F,) float64
+        How large it is in the picture, square pixels, and 0 likewise.
+    """
+    if mesh.surface is None or mesh.parameters is None:
+        raise AnamorphError(f"part '{mesh.name}': has no exact surface to be compared with; leave it as it is")
+    errors = np.zeros(len(mesh.faces))
+    places, areas = _shown(mesh, camera, size)
+    shown = areas > 0.0
+    if not shown.any():
+        return errors, areas
+    eye, faces = np.asarray(camera.position, float), mesh.faces[shown]
+    corners, normals = np.asarray(mesh.positions, float)[faces], np.asarray(mesh.normals, float)[faces]
+    directions = _bent(mesh.material, corners - eye, normals)
+    left, turn, _ = np.linalg.svd(_turning(directions, places[shown]), full_matrices=False)
+    turn = np.maximum(turn, 2.0 * np.tan(np.radians(camera.field_of_view) / 2.0) / size[1])
+    for around in SAMPLES:
+        parameters = between(mesh.surface, mesh.parameters[faces][:, around], mesh.positions[faces][:, around])
+        points = mesh.surface.position(parameters)
+        exact = turned_normals(mesh.surface, parameters, normals[:, around].sum(axis=1))
+        interpolated = np.einsum("fk,fkj->fj", _weights(corners, points), normals)
+        astray = _bent(mesh.material, points - eye, interpolated) - _bent(mesh.material, points - eye, exact)
+        moved = np.linalg.norm(np.einsum("fji,fj->fi", left, astray) / turn, axis=1)
+        errors[shown] = np.maximum(errors[shown], moved)
+    return errors, areas
+
+
+def normal_error(mesh: Mesh, camera: Camera, size: tuple[int, int]) -> float:
+    """What 99% of a mesh's picture is better than, in pixels, by its `normal_errors`; 0 where it is not seen."""
+    errors, areas = normal_errors(mesh, camera, size)
+    order = np.argsort(errors)
+    covered = np.cumsum(areas[order])
+    return float(errors[order][np.searchsorted(covered, PERCENTILE / 100.0 * covered[-1])])
+
+
+def fine_enough(mesh: Mesh, camera: Camera, size: tuple[int, int], tolerance: float) -> int:
+    """How often, from 0 to 4, a mesh must be subdivided for its `normal_error` to be within a tolerance in pixels."""
+    level = 0
+    while level < MOST_LEVELS and normal_error(mesh, camera, size) > tolerance:
+        mesh, level = subdivided(mesh, 1), level + 1
+    return level
+
+
+def refined_scene(scene: Scene, size: tuple[int, int], tolerance: float) -> Scene:
+    """A scene whose mirrors and lenses have more triangles, where their normals err by more than a tolerance.
+
+    Only meshes with an exact surface get them, for the scene's camera. Each triangle is judged for itself, and meshes
+    that share an edge cut it alike; one that is shared with a mesh without an exact surface stays whole. A triangle is
+    cut at most six times, and none that is smaller than a pixel. Of all these meshes together there are never more
+    than 200,000 triangles: those that err the most come first. What the eye sees only in another mirror stays as it is,
+    and so does what reaches behind the eye.
+
+    Parameters
+    ----------
+    scene : Scene
+    size : (width, height)
+    tolerance : float
+        Pixels.
+
+    Returns
+    -------
+    Scene
+        With the same objects in the same order.
+    """
+    if not 0.0 < tolerance < np.inf:
+        raise AnamorphError(f"tolerance is {tolerance:g}; give a positive number of pixels")
+    chosen = [
+        number
+        for number, mesh in enumerate(scene.meshes)
+        if mesh.specular and mesh.surface is not None and mesh.parameters is not None
+    ]
+    meshes = list(scene.meshes)
+    for _ in range(MOST_CUTS if chosen else 0):
+        errors, areas = map(
+            np.concatenate, zip(*(normal_errors(meshes[number], scene.camera, size) for number in chosen), strict=True)
+        )
+        # Cutting the three edges of a triangle makes three more of it, and one more of each neighbour.
+        most = max(MOST_TRIANGLES - len(errors), 0) // 6
+        coarse = np.flatnonzero((errors > tolerance) & (areas > SMALLEST))
+        coarse = coarse[np.argsort(-errors[coarse], kind="stable")][:most]
+        edges = _edges(meshes)
+        owner = np.repeat(np.arange(len(meshes)), [len(mesh.faces) for mesh in meshes])
+        refined = np.isin(owner, chosen)
+        wanted = np.setdiff1d(edges[refined][coarse], edges[~refined])
+        if not len(wanted):
+            break
+        cut = np.isin(edges, wanted)
+        for number in chosen:
+            meshes[number] = split(meshes[number], cut[owner == number])
+    return replace(scene, meshes=tuple(meshes))
+
+
+def _edges(meshes: list[Mesh]) -> np.ndarray:
+    """A number for each edge of each triangle, (F, 3) int64, the same for edges between the same two places."""
+    positions = np.concatenate([np.asarray(mesh.positions, np.float32) for mesh in meshes])
+    first = np.cumsum([0, *(len(mesh.positions) for mesh in meshes)])
+    faces = np.concatenate([mesh.faces + offset for mesh, offset in zip(meshes, first, strict=False)])
+    start = np.unique(positions, axis=0, return_inverse=True)[1].reshape(-1).astype(np.int64)[faces]
+    stop = np.roll(start, -1, axis=1)
+    return np.minimum(start, stop) << 32 | np.maximum(start, stop)
+
+
+def _shown(mesh: Mesh, camera: Camera, size: tuple[int, int]) -> tuple[np.ndarray, np.ndarray]:
+    """Where corners are in the picture, (F, 3, 2), and the area of each triangle there; 0 where it is not shown."""
+    positions = np.asarray(mesh.positions, float)
+    picture = camera.picture(positions, size)
+    ahead = picture[:, 2] > 0.0
+    corners = (picture[:, :2] / np.where(ahead, picture[:, 2], 1.0)[:, None])[mesh.faces]
+    # The picture's y points down: what turns counter-clockwise in the world has a negative area.
+    areas = -np.linalg.det(corners[:, 1:] - corners[:, :1]) / 2.0
+    if isinstance(mesh.material, Glass):
+        # Both sides are looked at, but where some corners show the one and some the other, rays do not change smoothly.
+        toward = np.sum((np.asarray(camera.position) - positions) * mesh.normals, axis=1) > 0.0
+        areas = np.abs(areas) * (toward[mesh.faces] == toward[mesh.faces][:, :1]).all(axis=1)
+    inside = ((corners.max(axis=1) > 0.0) & (corners.min(axis=1) < np.asarray(size))).all(axis=1)
+    shown = ahead[mesh.faces].all(axis=1) & inside
+    return corners, np.where(shown & (areas > 1e-9), areas, 0.0)
+
+
+def _turning(directions: np.ndarray, places: np.ndarray) -> np.ndarray:
+    """How directions (F, 3, 3) at places (F, 3, 2) of the picture change from pixel to pixel: (F, 3, 2)."""
+    change = np.linalg.solve(places[:, 1:] - places[:, :1], directions[:, 1:] - directions[:, :1])
+    return np.swapaxes(change, 1, 2)
+
+
+def _bent(material: Material, incident: np.ndarray, normal: np.ndarray) -> np.ndarray:
+    """Directions, (..., 3), after a mirror, or after glass left by a flat face, to first order."""
+    incident = incident / np.linalg.norm(incident, axis=-1, keepdims=True)
+    normal = normal / np.linalg.norm(normal, axis=-1, keepdims=True)
+    if not isinstance(material, Glass):
+        return reflect(incident, normal)
+    against = np.where(np.sum(incident * normal, axis=-1, keepdims=True) > 0.0, -normal, normal)
+    return material.index * refract(incident, against, 1.0 / material.index)[0]
+
+
+def _weights(corners: np.ndarray, points: np.ndarray) -> np.ndarray:
+    """Barycentric coordinates, (F, 3), of the feet of points (F, 3) on the planes of triangles (F, 3, 3)."""
+    edges = corners[:, 1:] - corners[:, :1]
+    foot = np.einsum("fij,fj->fi", np.linalg.pinv(np.swapaxes(edges, 1, 2)), points - corners[:, 0])
+    return np.concatenate([1.0 - foot.sum(axis=1, keepdims=True), foot], axis=1)

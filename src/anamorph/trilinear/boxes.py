@@ -1,8 +1,9 @@
 """Which boxes a ray triangle may see into, so that not every scene triangle has to be projected by every ray triangle.
 
-Source: Vallance 2005, section 3.7, which has a test of points only. The rays from t = near on stay within the convex hull
-of their starts, swept along all three directions. Where that hull lies wholly on one side of a plane and a box on the
-other, no ray meets the box. The planes tried are those along the faces that such a hull can have, and those of a box.
+Source: Vallance 2005, section 3.7, which has a test of points only. The rays from t = near on stay within the convex
+hull of their starts, swept along all three directions. Where that hull lies wholly on one side of a plane and a box on
+the other, no ray meets the box. The planes tried are those along the faces that such a hull can have, and those of a
+box.
 
 The volume itself is hollow between its curved sides and, beyond where rays cross, folded. The hull knows nothing of
 that: a box may pass that no ray meets, never the other way round. In float32, with planes made in float64 and their
@@ -19,6 +20,9 @@ from anamorph.trilinear.coefficients import checked
 
 SLACK = 1e-12
 """By how much more than it must a plane is moved off the hull, as a share of what its distance is computed from."""
+
+OPPOSED = 0.01
+"""Less than this of any unit direction along the middle one: rays between them may be much shorter than they are."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -90,9 +94,13 @@ def bounding_planes(origins: np.ndarray, directions: np.ndarray, near: float = 0
     lengths = np.linalg.norm(candidates, axis=-1, keepdims=True)
     normals = candidates / np.where(lengths > 0.0, lengths, 1.0)
     normals = np.concatenate([normals, -normals], axis=-2)
-    # A ray that runs against a plane by a rounding error passes it only beyond any scene, yet it would pass it.
-    ahead = np.einsum("...pi,...ki->...pk", normals, along)
-    normals = np.where((ahead.min(axis=-1) >= 0.0)[..., None], normals, 0.0)
+    ahead = np.einsum("...pi,...ki->...pk", normals, along).min(axis=-1)
+    # Running against a plane by a rounding error leads past it by less than the slack, unless opposed directions leave
+    # so short a ray between them that t grows out of proportion to the way.
+    middle = along.mean(axis=-2, keepdims=True)
+    opposed = np.einsum("...ki,...ji->...k", along, middle).min(axis=-1) < OPPOSED
+    rounding = 4.0 * np.finfo(float).eps
+    normals = np.where((ahead >= np.where(opposed, rounding, -rounding)[..., None])[..., None], normals, 0.0)
     distances = np.einsum("...pi,...ki->...pk", normals, starts).min(axis=-1)
     reach = np.linalg.norm(starts, axis=-1).max(axis=-1)
     return BoundingPlanes(normals, distances, np.broadcast_to(SLACK * reach[..., None], distances.shape))

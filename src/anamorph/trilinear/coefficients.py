@@ -20,6 +20,9 @@ import numpy as np
 
 from anamorph.errors import AnamorphError
 
+NARROW = 0.1
+"""A waist this much smaller than the triangle of the origins is where the frame's t counts from."""
+
 SAME = 1e-13
 """Below this, in its own frame, the parametric triangle has no extent: it is a point, or a line. Sixty times what
 float64 loses in the products that say so."""
@@ -27,21 +30,25 @@ float64 loses in the products that say so."""
 
 @dataclass(frozen=True, eq=False)
 class RayTriangleFrame:
-    """Ray triangles, moved to their middle and scaled; leading axes ... as in the arrays they were made from.
+    """Ray triangles, moved and scaled; leading axes ... as in the arrays they were made from.
 
-    In the frame the origins are at most 1 from their middle and the directions at most 1 long. Weights over the
-    triangle are 1/3 each, plus `SPREAD` times a pair of coordinates.
+    The frame's t counts from the waist, where the parametric triangle is smallest, if it is much smaller there than at
+    the origins: near a focus, cubics that count from elsewhere have no digits left. There the points r_i are at most 1
+    from their middle; the directions are at most 1 long. Weights over the triangle are 1/3 each, plus `SPREAD` times a
+    pair of coordinates.
 
     Parameters
     ----------
-    center : (..., 3) float64
-        The middle of the origins, metres.
+    center, remainder : (..., 3) float64
+        Their sum is the frame's origin, metres. Apart, they hold more digits than one number.
     size : (...) float64
         Metres for one unit of length in the frame.
     pace : (...) float64
         How much t changes for one unit of the frame's t.
+    shift : (...) float64
+        How much less the frame's t is, in its units: t = pace (frame's t + shift).
     origins, directions : (..., 2, 3) float64
-        The two differences of origins and of directions that go with the pair of coordinates.
+        The two differences of waist points and of directions that go with the pair of coordinates.
     mean : (..., 3) float64
         The mean direction.
     planes : (..., 3, 3) float64
@@ -49,12 +56,14 @@ class RayTriangleFrame:
     flat : (...) bool
         The rays have no triangle between them at any t: no point is projected.
     extent : (...) float64
-        The origins' greatest distance from their middle: 1, or 0 where all of them coincide.
+        The origins' greatest distance from their middle.
     """
 
     center: np.ndarray
+    remainder: np.ndarray
     size: np.ndarray
     pace: np.ndarray
+    shift: np.ndarray
     origins: np.ndarray
     directions: np.ndarray
     mean: np.ndarray
@@ -64,7 +73,8 @@ class RayTriangleFrame:
 
     def local(self, points: np.ndarray) -> np.ndarray:
         """World points (..., N, 3) in the frame."""
-        return (points - self.center[..., None, :]) / self.size[..., None, None]
+        around = (points - self.center[..., None, :]) - self.remainder[..., None, :]
+        return around / self.size[..., None, None]
 
     def cubics(self, local: np.ndarray) -> np.ndarray:
         """Coefficients (..., N, 4), from t^0 to t^3, of points (..., N, 3) in the frame."""
@@ -75,11 +85,16 @@ class RayTriangleFrame:
         result[..., 1:] -= at_middle
         return result
 
+    def sizes(self, local: np.ndarray) -> np.ndarray:
+        """The greater distance of points (..., N, 3) in the frame, or of the origins, from the origins' middle."""
+        off = local + (self.shift[..., None] * self.mean)[..., None, :]
+        return np.maximum(np.linalg.norm(off, axis=-1), self.extent[..., None])
+
     def values(self, local: np.ndarray, t: float) -> np.ndarray:
         """How far points (N, 3) in the frame lie from the plane at the world's t, in lengths of N(t); (N,)."""
-        t = t / self.pace
-        normal = self.planes[0] + t * (self.planes[1] + t * self.planes[2])
-        return (local - t * self.mean) @ normal
+        at = t / self.pace - self.shift
+        normal = self.planes[0] + at * (self.planes[1] + at * self.planes[2])
+        return (local - at * self.mean) @ normal
 
 
 SPREAD = np.array([[-1.0, 1.0, 0.0], [-1.0, -1.0, 2.0]]) / np.sqrt([[2.0], [6.0]])
@@ -112,31 +127,46 @@ def ray_triangle_frame(origins: np.ndarray, directions: np.ndarray) -> RayTriang
         If a number is not finite, or all directions of a ray triangle are 0.
     """
     origins, directions = checked(origins, directions)
-    longest = np.linalg.norm(directions, axis=-1).max(axis=-1)
+    longest = np.linalg.norm(directions, axis=-1).max(axis=-1)[..., None, None]
+    turned = directions / longest
+    mean = turned.mean(axis=-2)
+    spread = SPREAD @ turned
     center = origins.mean(axis=-2)
     around = origins - center[..., None, :]
-    # The rounded mean is not quite the middle; what is left of it is exact enough to take away.
-    left = around.mean(axis=-2)
-    widest = np.linalg.norm(around, axis=-1).max(axis=-1)
-    widest = np.where(widest > 4.0 * np.finfo(float).eps * np.abs(origins).max(axis=(-1, -2)), widest, 0.0)
-    size = np.where(widest > 0.0, widest, longest)
-    pace = size / longest
-    around = np.where(widest > 0.0, 1.0, 0.0)[..., None, None] * (around - left[..., None, :]) / size[..., None, None]
-    turned = directions / longest[..., None, None]
-    spread_origins, spread_directions = SPREAD @ around, SPREAD @ turned
-    planes = _planes(spread_origins, spread_directions)
-    flat = np.linalg.norm(planes, axis=-1).max(axis=-1) <= SAME
+    # The rounded mean is not quite the middle; what is left of it is small and exact.
+    remainder = around.mean(axis=-2)
+    around = around - remainder[..., None, :]
+    widest = _widest(around)
+    rounding = 4.0 * np.finfo(float).eps * np.abs(origins).max(axis=(-1, -2))
+    squared = np.sum(spread * spread, axis=(-1, -2))
+    waist = -np.sum((SPREAD @ around) * spread, axis=(-1, -2)) / np.where(squared > 0.0, squared, 1.0)
+    there = around + waist[..., None, None] * (turned - mean[..., None, :])
+    narrow = (squared > 0.0) & (_widest(there) < NARROW * widest)
+    around = np.where(narrow[..., None, None], there, around)
+    waist = np.where(narrow, waist, 0.0)
+    # What is left of a focus by rounding is a point.
+    size = _widest(around)
+    is_point = size <= np.maximum(rounding, SAME * (widest + np.abs(waist)))
+    size = np.where(is_point, longest[..., 0, 0], size)
+    around = np.where(is_point[..., None, None], 0.0, around) / size[..., None, None]
+    planes = _planes(SPREAD @ around, spread)
     return RayTriangleFrame(
-        center=center + np.where(widest > 0.0, 1.0, 0.0)[..., None] * left,
+        center=center,
+        remainder=remainder + waist[..., None] * mean,
         size=size,
-        pace=pace,
-        origins=spread_origins,
-        directions=spread_directions,
-        mean=turned.mean(axis=-2),
-        planes=_without_common_factors(planes, spread_origins, spread_directions),
-        flat=flat,
-        extent=np.where(widest > 0.0, 1.0, 0.0),
+        pace=size / longest[..., 0, 0],
+        shift=waist / size,
+        origins=SPREAD @ around,
+        directions=spread,
+        mean=mean,
+        planes=_without_common_factors(planes),
+        flat=np.linalg.norm(planes, axis=-1).max(axis=-1) <= SAME,
+        extent=np.where(widest > rounding, widest, 0.0) / size,
     )
+
+
+def _widest(around: np.ndarray) -> np.ndarray:
+    return np.linalg.norm(around, axis=-1).max(axis=-1)
 
 
 def _planes(origins: np.ndarray, directions: np.ndarray) -> np.ndarray:
@@ -145,21 +175,12 @@ def _planes(origins: np.ndarray, directions: np.ndarray) -> np.ndarray:
     return np.stack([np.cross(e, g), np.cross(e, h) + np.cross(f, g), np.cross(f, h)], axis=-2)
 
 
-def _without_common_factors(planes: np.ndarray, origins: np.ndarray, directions: np.ndarray) -> np.ndarray:
-    """The planes divided by (t - t0) for every t0 at which the parametric triangle is a line, twice where a point."""
-    divided = planes
+def _without_common_factors(planes: np.ndarray) -> np.ndarray:
+    """The planes divided by (t - t0) for every t0 at which the parametric triangle is a line, or a point."""
     for _ in range(2):
-        t0, exists = _line(divided)
-        divided = np.where(exists[..., None, None], _divided(divided, t0), divided)
-    # Where the triangle is a point, the t0 of its least extent is sharp, which the double root of its area is not.
-    squared = np.einsum("...ki,...ki->...", directions, directions)
-    t0 = -np.einsum("...ki,...ki->...", origins, directions) / np.where(squared > 0.0, squared, 1.0)
-    extent = np.linalg.norm(origins + t0[..., None, None] * directions, axis=(-1, -2))
-    is_point = (squared > 0.0) & (extent <= SAME * (1.0 + np.abs(t0)))
-    # All the planes are then parallel, and the longest normal has the most digits.
-    parallel = np.zeros_like(planes)
-    parallel[..., 0, :] = _longest(planes)
-    return np.where(is_point[..., None, None], parallel, divided)
+        t0, exists = _line(planes)
+        planes = np.where(exists[..., None, None], _divided(planes, t0), planes)
+    return planes
 
 
 def _longest(planes: np.ndarray) -> np.ndarray:

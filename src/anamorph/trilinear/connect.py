@@ -1,11 +1,11 @@
 """In which order projected corners of a scene triangle are joined into outlines.
 
-Source: Vallance 2005, sections 4.1 to 4.3. The plane of the parametric triangle cuts the plane of the scene triangle in a
-line, which sweeps as t grows. Whenever it meets a corner of the scene triangle, the two edges at that corner are
+Source: Vallance 2005, sections 4.1 to 4.3. The plane of the parametric triangle cuts the plane of the scene triangle in
+a line, which sweeps as t grows. Whenever it meets a corner of the scene triangle, the two edges at that corner are
 toggled: they begin or cease to be crossed. A shape lasts as long as two edges are crossed, and its outline is the two
 traces that the crossings leave.
 
-Deviations: an edge is crossed where its two corners lie on different sides, so that a sweep also begins and ends rightly
+Deviations: an edge is crossed where its two corners lie on different sides, so that a sweep begins and ends rightly
 where the line crosses edges at infinite t (rays parallel to one plane). And every line of an outline knows the scene
 edge that it follows, which the printed listing takes from its two ends: they may be the same corner.
 """

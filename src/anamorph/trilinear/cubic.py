@@ -1,9 +1,9 @@
 """All the real roots of many cubics at once, whatever their degree turns out to be.
 
 The parameter line is a circle: from -1 to 1 the cubic is used as it is, beyond it is used in 1 / t, with its
-coefficients in reverse. A vanishing leading coefficient is then a root at 1 / t = 0 and no special case, and a quadratic
-or a line comes out by itself. Between two extrema a cubic runs one way, so that the signs at the extrema say where its
-roots are, and Newton's steps kept between those ends find each.
+coefficients in reverse. A vanishing leading coefficient is then a root at 1 / t = 0 and no special case, and a
+quadratic or a line comes out by itself. Between two extrema a cubic runs one way, so that the signs at the extrema say
+where its roots are, and Newton's steps kept between those ends find each.
 """
 
 from __future__ import annotations

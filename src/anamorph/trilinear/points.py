@@ -8,8 +8,9 @@ and the t at which one passes through a point are roots of a cubic; u and v foll
 
 Deviations: the cubic is formed in the triangle's own scaled frame, and what its rays alone make vanish is divided out
 (`coefficients`); its roots are kept between its extrema instead of taken from a formula (`cubic`), and polished on the
-determinant as the product (s - t m) . N(t), which loses less than its expanded terms. The thesis leaves open below which area a triangle counts as degenerate. Here the
-question does not arise: a root is valid where its ray passes through the point, rounding included.
+determinant as the product (s - t m) . N(t), which loses less than its expanded terms. The thesis leaves open below
+which area a triangle counts as degenerate. Here the question does not arise: a root is valid where its ray passes
+through the point, rounding included.
 
 In float32 the same steps hold with 1e-4 in place of `REACH`, 1e-5 in place of `SAME` and 24 steps of bisection in place
 of 100, if (1) the frame is made in float64 and only then rounded, one frame a ray triangle; (2) points are moved into
@@ -77,7 +78,7 @@ def project_points(origins: np.ndarray, directions: np.ndarray, points: np.ndarr
 
     A point that many rays pass through at one t, because there the parametric triangle is a line or a point (the eye of
     a pinhole), is given the one of them nearest to the triangle's middle. A ray triangle whose rays have no triangle
-    between them at any t projects nothing. A root that the cubic only touches, within rounding, is reported twice.
+    between them at any t projects nothing, nor is a point projected that lies in the triangle's plane at every t. A root that the cubic only touches, within rounding, is reported twice.
 
     Parameters
     ----------
@@ -105,13 +106,15 @@ def project_into(frame: RayTriangleFrame, points: np.ndarray) -> Projections:
     noise = ROUNDING * (1.0 + far)
     roots = real_roots(cubics.reshape(-1, 4), noise.ravel(), (INFINITE * (1.0 + far)).ravel())
     t, real = (array.reshape(*far.shape, 3) for array in roots)
-    real &= ~frame.flat[..., None, None]
+    # Neither a flat ray triangle nor a point in all its planes has any t of its own.
+    some = np.abs(cubics).max(axis=-1) > noise
+    real &= (some & ~frame.flat[..., None])[..., None]
     t = _polished(frame, local, t)
     weights, missed = _weights(frame, local, t)
-    valid = real & (missed <= REACH * np.maximum(far, frame.extent[..., None])[..., None])
+    valid = real & (missed <= REACH * frame.sizes(local)[..., None])
     weights = np.where(valid[..., None], weights, 0.0)
     order = np.argsort(np.where(real, t, np.inf), axis=-1, kind="stable")
-    t = np.where(real, t * frame.pace[..., None, None], 0.0)
+    t = np.where(real, (t + frame.shift[..., None, None]) * frame.pace[..., None, None], 0.0)
     return Projections(
         *(np.take_along_axis(array, order, axis=-1) for array in (t, weights[..., 1], weights[..., 2], real, valid))
     )
@@ -120,8 +123,8 @@ def project_into(frame: RayTriangleFrame, points: np.ndarray) -> Projections:
 def rays_at(frame: RayTriangleFrame, points: np.ndarray, t: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """u, v and validity (N,) of the rays that pass, at a given t, through points (N, 3) in the plane of that t."""
     local = frame.local(points)
-    weights, missed = _weights(frame, local, np.full((len(points), 1), t / frame.pace))
-    valid = missed[:, 0] <= REACH * np.maximum(np.linalg.norm(local, axis=-1), frame.extent)
+    weights, missed = _weights(frame, local, np.full((len(points), 1), t / frame.pace - frame.shift))
+    valid = missed[:, 0] <= REACH * frame.sizes(local)
     u, v = np.where(valid, weights[:, 0, 1:].T, 0.0)
     return u, v, valid
 
@@ -177,6 +180,6 @@ def _weights(frame: RayTriangleFrame, local: np.ndarray, t: np.ndarray) -> tuple
     pair = solved(off)
     pair = pair + np.where(thin[..., None], 0.0, solved(left(pair)))
     # What float64 loses in t and in the weights themselves.
-    size = np.abs(pair).sum(axis=-1) * (frame.extent[..., None, None] + np.abs(t))
-    lost = ROUNDING * (size + np.abs(t) + np.linalg.norm(local, axis=-1)[..., None])
+    spans = (1.0 + frame.extent + np.abs(frame.shift))[..., None, None] + np.abs(t)
+    lost = ROUNDING * ((1.0 + np.abs(pair).sum(axis=-1)) * spans + np.linalg.norm(local, axis=-1)[..., None])
     return 1.0 / 3.0 + pair @ SPREAD, np.linalg.norm(left(pair), axis=-1) + lost

@@ -65,9 +65,7 @@ def points_for(p, n, nearly, random):
         w = random.dirichlet([1, 1, 1]) if random.random() < 0.7 else np.array([-0.7, 0.4, 1.3])
         found.append(w @ p + random.choice([0.0, 0.3, 2.0, 50.0]) * (w @ n))
         # Along a ray, the caustic is where the parametric triangle holds the ray's own direction.
-        values = [
-            np.dot(np.cross(*((p + t * n)[1:] - (p + t * n)[0])), w @ n) for t in (-1.0, 0.0, 1.0)
-        ]
+        values = [np.dot(np.cross(*((p + t * n)[1:] - (p + t * n)[0])), w @ n) for t in (-1.0, 0.0, 1.0)]
         square, slope = 0.5 * (values[0] + values[2]) - values[1], 0.5 * (values[2] - values[0])
         for t in np.roots([square, slope, values[1]]) if square else []:
             if abs(t.imag) == 0.0 and abs(t) < 1e4:
@@ -209,7 +207,7 @@ def test_every_root_is_a_ray_through_the_point_and_none_is_missed(kind, nearly, 
     assert not (result.valid & ~result.real).any()
     assert (result.real[:, :-1] | ~result.real[:, 1:]).all()
     assert (np.diff(result.t, axis=-1)[result.real[:, 1:]] >= 0.0).all()
-    assert largest_miss(p, n, points, result) <= 1e-9, 'miss'
+    assert largest_miss(p, n, points, result) <= 1e-9, "miss"
     longest = np.linalg.norm(n, axis=1).max()
     for k, s in enumerate(points):
         if size_of(p, s) <= 1e-12 * np.abs(p).max():
@@ -227,4 +225,11 @@ def test_every_root_is_a_ray_through_the_point_and_none_is_missed(kind, nearly, 
             reach = max(map(abs, weights)) * max(1, abs(root)) if weights else np.inf
             if reach <= 1e5 and aspect(p, n * unit, float(root)) >= 1e-5:
                 there = [one_root(cubic, pe, ne, size_of(p, s), root, float(t)) for t in found]
-                assert any(there), (k, float(root), result.t[k]/unit, [*map(float, weights)], result.real[k], result.valid[k])
+                assert any(there), (
+                    k,
+                    float(root),
+                    result.t[k] / unit,
+                    [*map(float, weights)],
+                    result.real[k],
+                    result.valid[k],
+                )

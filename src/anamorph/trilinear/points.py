@@ -103,7 +103,8 @@ def project_into(frame: RayTriangleFrame, points: np.ndarray) -> Projections:
     local = frame.local(points)
     cubics = frame.cubics(local)
     far = np.linalg.norm(local, axis=-1)
-    noise = ROUNDING * (1.0 + far)
+    # The way to the waist, long against its size, costs digits as well.
+    noise = ROUNDING * (1.0 + far) * (1.0 + frame.extent + np.abs(frame.shift))[..., None]
     roots = real_roots(cubics.reshape(-1, 4), noise.ravel(), (INFINITE * (1.0 + far)).ravel())
     t, real = (array.reshape(*far.shape, 3) for array in roots)
     # Neither a flat ray triangle nor a point in all its planes has any t of its own.
@@ -153,16 +154,24 @@ def _polished(frame: RayTriangleFrame, local: np.ndarray, t: np.ndarray) -> np.n
     return t
 
 
+def _length(vectors: np.ndarray) -> np.ndarray:
+    return np.linalg.norm(vectors, axis=-1)
+
+
 def _weights(frame: RayTriangleFrame, local: np.ndarray, t: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """The weights of the three rays (..., N, 3 roots, 3), and by how much at most their ray passes by the point."""
     along = t[..., None]
     off = local[..., None, :] - along * frame.mean[..., None, None, :]
-    e, g = (frame.origins[..., None, None, k, :] + along * frame.directions[..., None, None, k, :] for k in range(2))
+    starts = [frame.origins[..., None, None, k, :] for k in range(2)]
+    changes = [along * frame.directions[..., None, None, k, :] for k in range(2)]
+    e, g = (start + change for start, change in zip(starts, changes, strict=True))
+    # What the two sums would be without cancelling is what their rounding errors are to be measured by.
+    full_e, full_g = (_length(start) + _length(change) for start, change in zip(starts, changes, strict=True))
     normal = np.cross(e, g)
     area = np.sum(normal * normal, axis=-1)
     extent = np.sum(e * e, axis=-1) + np.sum(g * g, axis=-1)
-    thin = area <= (SAME * (1.0 + np.abs(t)) ** 2) ** 2
-    together = extent <= (SAME * (1.0 + np.abs(t))) ** 2
+    thin = area <= (SAME * (full_e * _length(g) + _length(e) * full_g)) ** 2
+    together = extent <= (SAME * (full_e + full_g)) ** 2
 
     def solved(off: np.ndarray) -> np.ndarray:
         within = np.stack([np.sum(normal * np.cross(off, g), axis=-1), np.sum(normal * np.cross(e, off), axis=-1)], -1)

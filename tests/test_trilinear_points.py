@@ -1,15 +1,16 @@
 """Points projected into ray triangles, against exact arithmetic, with degenerate ray triangles drawn on purpose.
 
-What "none is missed" means: the roots of the cubic of the very float64 numbers given are counted and enclosed in rational
-arithmetic (Sturm). A root must be found if its ray's weights are at most 1e5; beyond, at about 1e6, no float64 t leads
-to the point within 1e-9, and the root may be real but not valid. Found is found to 2e-5 in t, in lengths of t's unit,
-which is what a triple root leaves of 1e-15; that the ray passes through the point is asserted to 1e-9 always. There may
-be more roots than in truth only where the point moved by 1e-9 of the size has them.
+What "none is missed" means: the real roots of the cubic of the very float64 numbers given are counted and enclosed in
+rational arithmetic (Sturm's sequences). Each must be found whose ray has weights of at most 1e5, times t in units of
+the scene where that is more than 1, and whose parametric triangle is no flatter than 1 to 1e5 and no smaller than 1e-11
+of what it comes from. Beyond, no float64 t leads to the point within 1e-9, or many rays do. A double root and its
+neighbours count as one root wherever the point stays within 1e-9 of the scene's size of the parametric triangle's plane
+from one to the other: that is all that the accuracy asked for can tell apart.
 """
 
 from __future__ import annotations
 
-import os
+import itertools
 from fractions import Fraction
 
 import numpy as np
@@ -24,7 +25,6 @@ KINDS = [
     "any", "parallel", "one plane", "together", "focus", "slit", "two alike", "thin", "far", "small", "crossing",
     "across",
 ]  # fmt: skip
-EXAMPLES = int(os.environ.get("TRILINEAR_EXAMPLES", "120"))
 NEARLY = [0.0, 1e-16, 1e-14, 1e-13, 1e-12, 1e-10, 1e-8, 1e-6, 1e-4, 1e-2]
 
 
@@ -61,7 +61,7 @@ def ray_triangle(kind, nearly, random):
 def points_for(p, n, nearly, random):
     """Points on rays, on caustics (double roots), near them, at the origins, and anywhere; (N, 3)."""
     found = list(p.mean(axis=0) + random.uniform(-3, 3, (2, 3)))
-    for _ in range(3):
+    for _ in range(2):
         w = random.dirichlet([1, 1, 1]) if random.random() < 0.7 else np.array([-0.7, 0.4, 1.3])
         found.append(w @ p + random.choice([0.0, 0.3, 2.0, 50.0]) * (w @ n))
         # Along a ray, the caustic is where the parametric triangle holds the ray's own direction.
@@ -125,7 +125,7 @@ def sturm(polynomial):
 
 def changes(chain, t):
     signs = [v > 0 for link in chain if (v := value(link, t)) != 0]
-    return sum(a != b for a, b in zip(signs, signs[1:], strict=False))
+    return sum(a != b for a, b in itertools.pairwise(signs))
 
 
 def exact_roots(polynomial, reach):
@@ -163,11 +163,12 @@ def exact_weights(p, n, s, t):
             normal @ exact_cross(b - a, s - a) / area]  # fmt: skip
 
 
-def aspect(p, n, t):
-    """Twice the area of the parametric triangle over the square of its longest side."""
+def is_triangle(p, n, t):
+    """Whether the parametric triangle is neither a point nor a line."""
     a, b, c = p + t * n
     longest = max(np.linalg.norm(side) for side in (b - a, c - b, a - c))
-    return np.linalg.norm(np.cross(b - a, c - a)) / max(longest**2, 1e-300)
+    full = np.abs(p - p.mean(axis=0)).max() + abs(t) * np.abs(n).max()
+    return longest >= 1e-11 * full and np.linalg.norm(np.cross(b - a, c - a)) >= 1e-5 * longest**2
 
 
 def one_root(cubic, pe, ne, size, t, other):
@@ -193,11 +194,11 @@ def largest_miss(p, n, points, result):
         u, v, t = (Fraction(float(array[k, j])) for array in (result.u, result.v, result.t))
         w = np.array([1 - u - v, u, v])
         off = [float(x) for x in w @ exact(p) + t * (w @ exact(n)) - exact(points[k])]
-        worst = max(worst, np.linalg.norm(off) / max(size_of(p, points[k]), 1e-300))
+        worst = max(worst, (np.linalg.norm(off) - 1e-15 * np.abs(p).max()) / max(size_of(p, points[k]), 1e-300))
     return worst
 
 
-@settings(max_examples=EXAMPLES, deadline=None, phases=(Phase.explicit, Phase.generate))
+@settings(max_examples=40, deadline=None, phases=(Phase.explicit, Phase.generate))
 @given(st.sampled_from(KINDS), st.sampled_from(NEARLY), st.integers(0, 2**32 - 1))
 def test_every_root_is_a_ray_through_the_point_and_none_is_missed(kind, nearly, seed):
     random = np.random.default_rng(seed)
@@ -223,13 +224,110 @@ def test_every_root_is_a_ray_through_the_point_and_none_is_missed(kind, nearly, 
         for root in exact_roots(cubic, 10**5):
             weights = exact_weights(pe, ne, se, root)
             reach = max(map(abs, weights)) * max(1, abs(root)) if weights else np.inf
-            if reach <= 1e5 and aspect(p, n * unit, float(root)) >= 1e-5:
+            if reach <= 1e5 and is_triangle(p, n * unit, float(root)):
                 there = [one_root(cubic, pe, ne, size_of(p, s), root, float(t)) for t in found]
-                assert any(there), (
-                    k,
-                    float(root),
-                    result.t[k] / unit,
-                    [*map(float, weights)],
-                    result.real[k],
-                    result.valid[k],
-                )
+                assert any(there), (k, float(root), result.t[k] / unit)
+
+
+def rays(p, n, result):
+    """The points (N, 3 roots, 3) to which the roots lead."""
+    w = np.stack([1.0 - result.u - result.v, result.u, result.v], axis=-1)
+    return w @ p + result.t[..., None] * (w @ n)
+
+
+def test_a_pinhole_projects_as_a_pinhole_and_its_eye_to_the_middle():
+    n = np.array([[-1.0, -1.0, 2.0], [1.0, -1.0, 2.0], [0.0, 2.0, 2.0]])
+    eye = np.array([0.1, 0.2, 0.3])
+    points = eye + np.array([[0.0, 0.0, 5.0], [1.0, -1.0, -4.0], [0.0, 0.0, 0.0], [1.0, 0.0, 0.0]])
+    for back in (0.0, 1.7, -30.0):
+        result = project_points(eye - back * n, n, points)
+        assert result.real.sum(axis=1).tolist() == [1, 1, 1, 1] and result.valid.sum(axis=1).tolist() == [1, 1, 1, 0]
+        assert result.t[:3, 0] == pytest.approx([2.5 + back, -2.0 + back, back], abs=1e-12)
+        assert (result.u[0, 0], result.v[0, 0]) == pytest.approx((1 / 3, 1 / 3))
+        assert (result.u[2, 0], result.v[2, 0]) == pytest.approx((1 / 3, 1 / 3))
+        assert rays(eye - back * n, n, result)[:3, 0] == pytest.approx(points[:3], abs=1e-12)
+        assert result.inside[:, 0].tolist() == [True, True, True, False]
+        assert result.seen[:, 0].tolist() == [True, back > 0, back >= 0, False]
+
+
+def test_parallel_rays_meet_a_point_once_and_rays_along_their_triangle_never():
+    p = np.array([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]])
+    points = np.array([[0.25, 0.5, 3.0], [0.25, 0.5, -3.0], [2.0, 0.0, 1.0]])
+    result = project_points(p, np.tile([0.0, 0.0, 2.0], (3, 1)), points)
+    assert result.valid.tolist() == result.real.tolist() == [[True, False, False]] * 3
+    assert result.t[:, 0] == pytest.approx([1.5, -1.5, 0.5])
+    assert result.u[:, 0] == pytest.approx([0.25, 0.25, 2.0]) and result.v[:, 0] == pytest.approx([0.5, 0.5, 0.0])
+    assert result.seen[:, 0].tolist() == [True, False, False]
+    level = np.array([[1.0, 0.0, 0.0], [1.0, 0.2, 0.0], [0.7, 0.1, 0.0]])
+    inside_the_plane = project_points(p, level, np.array([[3.0, 0.2, 0.0], [3.0, 0.2, 1.0]]))
+    assert not inside_the_plane.real.any()
+
+
+def test_rays_parallel_to_one_plane_leave_a_quadratic():
+    p = np.array([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]])
+    n = np.array([[0.0, 0.0, 1.0], [0.0, 0.5, 1.0], [0.0, -0.3, 1.2]])
+    points = np.random.default_rng(3).uniform(-3, 3, (200, 3))
+    result = project_points(p, n, points)
+    assert set(result.real.sum(axis=1)) == {0, 2}
+    off = rays(p, n, result) - points[:, None]
+    assert np.abs(off[result.valid]).max() < 1e-9 and (result.valid == result.real).all()
+
+
+def test_many_rays_through_a_slit_are_answered_by_the_one_nearest_to_the_middle():
+    # At t = 1 the parametric triangle is the line from (0, 0, 0) to (1, 0, 0), its third corner in the middle.
+    p = np.array([[0.0, 0.0, -1.0], [1.0, 0.3, -1.0], [0.5, -0.2, -1.5]])
+    n = np.array([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.5, 0.0, 0.0]]) - p
+    on, off = project_points(p, n, np.array([[0.5, 0.0, 0.0]])), project_points(p, n, np.array([[0.5, 0.1, 0.3]]))
+    at_slit = on.valid[0] & (np.abs(on.t[0] - 1.0) < 1e-9)
+    assert at_slit.sum() == 1
+    assert (on.u[0][at_slit], on.v[0][at_slit]) == (pytest.approx(1 / 3), pytest.approx(1 / 3))
+    assert off.real.any() and not (off.real & (np.abs(off.t - 1.0) < 1e-6)).any()
+    assert rays(p, n, off)[off.valid] == pytest.approx(np.tile([0.5, 0.1, 0.3], (off.valid.sum(), 1)))
+
+
+def test_rays_with_no_triangle_between_them_project_nothing():
+    p = np.array([[0.0, 0.0, 0.0], [0.0, 0.0, 0.0], [1.0, 0.0, 0.0]])
+    n = np.array([[0.0, 1.0, 1.0], [0.0, 1.0, 1.0], [0.0, 0.0, 1.0]])
+    result = project_points(p, n, np.array([[0.0, 1.0, 1.0], [0.3, 0.4, 0.5]]))
+    assert not result.real.any() and not result.t.any() and not result.u.any()
+
+
+def test_a_point_on_a_caustic_is_reported_twice_and_beyond_it_not_at_all():
+    # Rays of the upper half of a circle's tangents: (t, t^2) is where the ray at u = t touches the parabola.
+    p = np.array([[0.0, 0.0, 0.0], [1.0, -1.0, 0.0], [0.0, 0.0, 1.0]])
+    n = np.array([[1.0, 0.0, 0.0], [1.0, 2.0, 0.0], [1.0, 0.0, 0.0]])
+    # At v = 0: ray(u, 0, t) = (u + t, u (2 t - 1)); with x = u + t, y = u (2 x - 2 u - 1): the greatest y at a given x.
+    x = 2.0
+    u = (2.0 * x - 1.0) / 4.0
+    top = np.array([x, u * (2.0 * x - 2.0 * u - 1.0), 0.0])
+    result = project_points(p, n, top + np.array([[0.0, 0.0, 0.0], [0.0, -1e-3, 0.0], [0.0, 1e-3, 0.0]]))
+    assert result.valid.sum(axis=1).tolist() == [2, 2, 0]
+    assert result.u[0, :2] == pytest.approx([u, u], abs=1e-7)
+
+
+def test_many_ray_triangles_are_projected_as_one_by_one():
+    random = np.random.default_rng(5)
+    p, n = random.normal(size=(2, 4, 2, 3, 3))
+    shared, own = random.normal(size=(7, 3)), random.normal(size=(4, 2, 7, 3))
+    for points in (shared, own):
+        together = project_points(p, n, points)
+        for i, j in np.ndindex(4, 2):
+            alone = project_points(p[i, j], n[i, j], points if points is shared else points[i, j])
+            assert (alone.real == together.real[i, j]).all() and (alone.valid == together.valid[i, j]).all()
+            assert alone.t == pytest.approx(together.t[i, j], rel=1e-9, abs=1e-12)
+            assert alone.u == pytest.approx(together.u[i, j], rel=1e-7, abs=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("p", "n", "points", "said"),
+    [
+        (np.eye(3), np.zeros((3, 3)), np.zeros((1, 3)), "all three directions are 0"),
+        (np.full((3, 3), np.nan), np.eye(3), np.zeros((1, 3)), "finite"),
+        (np.eye(3), np.eye(3), np.array([[0.0, np.inf, 0.0]]), "points"),
+        (np.eye(3)[:2], np.eye(3)[:2], np.zeros((1, 3)), "three rows"),
+    ],
+)
+def test_what_cannot_be_projected_is_refused_in_one_line(p, n, points, said):
+    with pytest.raises(AnamorphError, match=said) as raised:
+        project_points(p, n, points)
+    assert "\n" not in str(raised.value)

@@ -28,6 +28,9 @@ SAME = 1e-13
 float64 loses in the products that say so."""
 
 
+ROUNDING = 8.0 * np.finfo(float).eps
+
+
 @dataclass(frozen=True, eq=False)
 class RayTriangleFrame:
     """Ray triangles, moved and scaled; leading axes ... as in the arrays they were made from.
@@ -57,6 +60,10 @@ class RayTriangleFrame:
         The rays have no triangle between them at any t: no point is projected.
     extent : (...) float64
         The origins' greatest distance from their middle.
+    blur : (...) float64
+        What rounding leaves open of any position. A triangle of this size is a point.
+    noise : (...) float64
+        What rounding and the division by common factors leave open of a cubic, for a point 1 from the frame's origin.
     """
 
     center: np.ndarray
@@ -70,6 +77,8 @@ class RayTriangleFrame:
     planes: np.ndarray
     flat: np.ndarray
     extent: np.ndarray
+    blur: np.ndarray
+    noise: np.ndarray
 
     def local(self, points: np.ndarray) -> np.ndarray:
         """World points (..., N, 3) in the frame."""
@@ -146,10 +155,15 @@ def ray_triangle_frame(origins: np.ndarray, directions: np.ndarray) -> RayTriang
     waist = np.where(narrow, waist, 0.0)
     # What is left of a focus by rounding is a point.
     size = _widest(around)
-    is_point = size <= np.maximum(rounding, SAME * (widest + np.abs(waist)))
+    blur = np.maximum(rounding, SAME * (widest + np.abs(waist)) * (waist != 0.0))
+    is_point = size <= blur
     size = np.where(is_point, longest[..., 0, 0], size)
     around = np.where(is_point[..., None, None], 0.0, around) / size[..., None, None]
     planes = _planes(SPREAD @ around, spread)
+    divided, remains = _without_common_factors(planes)
+    extent = np.where(widest > rounding, widest, 0.0) / size
+    # The way to the waist, long against its size, costs digits as well.
+    noise = ROUNDING * (1.0 + extent + np.abs(waist) / size) + 2.0 * remains
     return RayTriangleFrame(
         center=center,
         remainder=remainder + waist[..., None] * mean,
@@ -159,9 +173,11 @@ def ray_triangle_frame(origins: np.ndarray, directions: np.ndarray) -> RayTriang
         origins=SPREAD @ around,
         directions=spread,
         mean=mean,
-        planes=_without_common_factors(planes),
+        planes=divided,
         flat=np.linalg.norm(planes, axis=-1).max(axis=-1) <= SAME,
-        extent=np.where(widest > rounding, widest, 0.0) / size,
+        extent=extent,
+        blur=blur / size,
+        noise=noise,
     )
 
 
@@ -175,12 +191,19 @@ def _planes(origins: np.ndarray, directions: np.ndarray) -> np.ndarray:
     return np.stack([np.cross(e, g), np.cross(e, h) + np.cross(f, g), np.cross(f, h)], axis=-2)
 
 
-def _without_common_factors(planes: np.ndarray) -> np.ndarray:
-    """The planes divided by (t - t0) for every t0 at which the parametric triangle is a line, or a point."""
+def _without_common_factors(planes: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """The planes divided by (t - t0) for every t0 at which the parametric triangle is a line, and what that drops."""
+    remains = np.zeros(planes.shape[:-2])
     for _ in range(2):
         t0, exists = _line(planes)
+        remains = remains + np.where(exists, np.linalg.norm(_normal(planes, t0), axis=-1), 0.0)
         planes = np.where(exists[..., None, None], _divided(planes, t0), planes)
-    return planes
+    return planes, remains
+
+
+def _normal(planes: np.ndarray, t: np.ndarray) -> np.ndarray:
+    t = t[..., None]
+    return planes[..., 0, :] + t * (planes[..., 1, :] + t * planes[..., 2, :])
 
 
 def _longest(planes: np.ndarray) -> np.ndarray:
@@ -196,8 +219,7 @@ def _line(planes: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     for numerator, denominator in ((c, larger), (larger, a)):
         usable = ~exists & (np.abs(denominator) > SAME * np.abs(numerator))
         t0 = np.where(usable, numerator, 0.0) / np.where(usable, denominator, 1.0)
-        normal = planes[..., 0, :] + t0[..., None] * (planes[..., 1, :] + t0[..., None] * planes[..., 2, :])
-        vanishes = usable & (np.linalg.norm(normal, axis=-1) <= SAME * (1.0 + np.abs(t0)) ** 2)
+        vanishes = usable & (np.linalg.norm(_normal(planes, t0), axis=-1) <= SAME * (1.0 + np.abs(t0)) ** 2)
         found, exists = np.where(vanishes, t0, found), exists | vanishes
     return found, exists
 

@@ -26,7 +26,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from anamorph.errors import AnamorphError
-from anamorph.trilinear.coefficients import SAME, SPREAD, RayTriangleFrame, ray_triangle_frame
+from anamorph.trilinear.coefficients import ROUNDING, SAME, SPREAD, RayTriangleFrame, ray_triangle_frame
 from anamorph.trilinear.cubic import real_roots
 
 REACH = 1e-9
@@ -36,7 +36,8 @@ INFINITE = 1e10
 """Times the distance of point or origins from the middle, in the frame: a t beyond is at infinity. No ray with such a t
 is valid, since a rounding error of t carries it further from its point than `REACH`."""
 
-ROUNDING = 8.0 * np.finfo(float).eps
+OUTERMOST = 1e8
+"""A greater weight is noise: its ray would be this many times further from the middle than the triangle is wide."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,7 +53,7 @@ class Projections:
         Where the point lies in the plane of the parametric triangle at t. Rays beyond the triangle count.
     valid : (..., N, 3) bool
         Where, moreover, ray(u, v, t) is the point to 1e-9 of the greater distance of point and origins from the
-        origins' middle. Real but not valid is a ray so far outside (weights beyond about 1e6) that float64 cannot
+        origins' middle, or to rounding of the coordinates. Real but not valid is a ray so far outside (weights beyond about 1e6) that float64 cannot
         tell it, or none, where the parametric triangle is a line or a point and the point is not on it.
     """
 
@@ -78,7 +79,8 @@ def project_points(origins: np.ndarray, directions: np.ndarray, points: np.ndarr
 
     A point that many rays pass through at one t, because there the parametric triangle is a line or a point (the eye of
     a pinhole), is given the one of them nearest to the triangle's middle. A ray triangle whose rays have no triangle
-    between them at any t projects nothing, nor is a point projected that lies in the triangle's plane at every t. A root that the cubic only touches, within rounding, is reported twice.
+    between them at any t projects nothing, nor is a point projected that lies in the triangle's plane at every t. A
+    root that the cubic only touches, within rounding, is reported twice.
 
     Parameters
     ----------
@@ -103,8 +105,7 @@ def project_into(frame: RayTriangleFrame, points: np.ndarray) -> Projections:
     local = frame.local(points)
     cubics = frame.cubics(local)
     far = np.linalg.norm(local, axis=-1)
-    # The way to the waist, long against its size, costs digits as well.
-    noise = ROUNDING * (1.0 + far) * (1.0 + frame.extent + np.abs(frame.shift))[..., None]
+    noise = frame.noise[..., None] * (1.0 + far)
     roots = real_roots(cubics.reshape(-1, 4), noise.ravel(), (INFINITE * (1.0 + far)).ravel())
     t, real = (array.reshape(*far.shape, 3) for array in roots)
     # Neither a flat ray triangle nor a point in all its planes has any t of its own.
@@ -112,7 +113,7 @@ def project_into(frame: RayTriangleFrame, points: np.ndarray) -> Projections:
     real &= (some & ~frame.flat[..., None])[..., None]
     t = _polished(frame, local, t)
     weights, missed = _weights(frame, local, t)
-    valid = real & (missed <= REACH * frame.sizes(local)[..., None])
+    valid = real & (missed <= (REACH * frame.sizes(local) + frame.blur[..., None])[..., None])
     weights = np.where(valid[..., None], weights, 0.0)
     order = np.argsort(np.where(real, t, np.inf), axis=-1, kind="stable")
     t = np.where(real, (t + frame.shift[..., None, None]) * frame.pace[..., None, None], 0.0)
@@ -125,7 +126,7 @@ def rays_at(frame: RayTriangleFrame, points: np.ndarray, t: float) -> tuple[np.n
     """u, v and validity (N,) of the rays that pass, at a given t, through points (N, 3) in the plane of that t."""
     local = frame.local(points)
     weights, missed = _weights(frame, local, np.full((len(points), 1), t / frame.pace - frame.shift))
-    valid = missed[:, 0] <= REACH * frame.sizes(local)
+    valid = missed[:, 0] <= REACH * frame.sizes(local) + frame.blur
     u, v = np.where(valid, weights[:, 0, 1:].T, 0.0)
     return u, v, valid
 
@@ -171,7 +172,7 @@ def _weights(frame: RayTriangleFrame, local: np.ndarray, t: np.ndarray) -> tuple
     area = np.sum(normal * normal, axis=-1)
     extent = np.sum(e * e, axis=-1) + np.sum(g * g, axis=-1)
     thin = area <= (SAME * (full_e * _length(g) + _length(e) * full_g)) ** 2
-    together = extent <= (SAME * (full_e + full_g)) ** 2
+    together = extent <= np.maximum(SAME * (full_e + full_g), frame.blur[..., None, None]) ** 2
 
     def solved(off: np.ndarray) -> np.ndarray:
         within = np.stack([np.sum(normal * np.cross(off, g), axis=-1), np.sum(normal * np.cross(e, off), axis=-1)], -1)
@@ -189,6 +190,8 @@ def _weights(frame: RayTriangleFrame, local: np.ndarray, t: np.ndarray) -> tuple
     pair = solved(off)
     pair = pair + np.where(thin[..., None], 0.0, solved(left(pair)))
     # What float64 loses in t and in the weights themselves.
-    spans = (1.0 + frame.extent + np.abs(frame.shift))[..., None, None] + np.abs(t)
+    spans = full_e + full_g + (frame.extent + np.abs(frame.shift))[..., None, None] + np.abs(t)
     lost = ROUNDING * ((1.0 + np.abs(pair).sum(axis=-1)) * spans + np.linalg.norm(local, axis=-1)[..., None])
-    return 1.0 / 3.0 + pair @ SPREAD, np.linalg.norm(left(pair), axis=-1) + lost
+    weights = 1.0 / 3.0 + pair @ SPREAD
+    missed = np.where(np.abs(weights).max(axis=-1) <= OUTERMOST, _length(left(pair)) + lost, np.inf)
+    return weights, missed

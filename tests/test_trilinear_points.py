@@ -238,7 +238,7 @@ def rays(p, n, result):
 def test_a_pinhole_projects_as_a_pinhole_and_its_eye_to_the_middle():
     n = np.array([[-1.0, -1.0, 2.0], [1.0, -1.0, 2.0], [0.0, 2.0, 2.0]])
     eye = np.array([0.1, 0.2, 0.3])
-    points = eye + np.array([[0.0, 0.0, 5.0], [1.0, -1.0, -4.0], [0.0, 0.0, 0.0], [1.0, 0.0, 0.0]])
+    points = eye + np.array([[0.0, 0.0, 5.0], [0.5, -1.0, -4.0], [0.0, 0.0, 0.0], [1.0, 0.0, 0.0]])
     for back in (0.0, 1.7, -30.0):
         result = project_points(eye - back * n, n, points)
         assert result.real.sum(axis=1).tolist() == [1, 1, 1, 1] and result.valid.sum(axis=1).tolist() == [1, 1, 1, 0]

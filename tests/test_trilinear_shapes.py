@@ -94,7 +94,7 @@ def test_shapes_hold_every_projected_corner_once_and_run_along_scene_edges(kind,
     p, n, corners, _ = scene(seed, kind)
     shapes = project_triangle(p, n, corners)
     found = project_points(p, n, corners)
-    placed = np.concatenate([shape.t for shape in shapes])
+    placed = np.concatenate([np.zeros(0), *(shape.t for shape in shapes)])
     assert np.sort(placed[np.isfinite(placed)]) == pytest.approx(np.sort(found.t[found.real]), abs=0)
     if kind in ("any", "narrow", "thin"):
         assert len(placed) in (3, 5, 7, 9) and 1 <= len(shapes) <= 4
@@ -171,7 +171,7 @@ def test_a_pinhole_sees_a_triangle_as_a_triangle_and_cuts_it_before_its_eye():
 def test_rays_parallel_to_one_plane_lead_to_shapes_that_reach_infinity():
     # Horizontal rays, turning as they rise; the parametric triangle's plane tends to a level one.
     p = np.array([[0.0, 0.0, 0.0], [0.1, 1.0, 0.0], [-0.1, 0.5, 0.1]])
-    n = np.array([[0.0, 0.0, 1.0], [1.0, 0.0, 0.5], [-0.6, 0.0, 1.3]])
+    n = np.array([[0.0, 0.0, 1.0], [1.0, 0.0, 0.5], [-0.6, 0.0, 0.7]])
     seen = 0
     random = np.random.default_rng(0)
     for _ in range(40):

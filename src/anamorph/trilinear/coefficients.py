@@ -61,7 +61,7 @@ class RayTriangleFrame:
     extent : (...) float64
         The origins' greatest distance from their middle.
     blur : (...) float64
-        What rounding leaves open of any position. A triangle of this size is a point.
+        The size that rounding may have given the waist, where that is taken for a point; 0 elsewhere.
     noise : (...) float64
         What rounding and the division by common factors leave open of a cubic, for a point 1 from the frame's origin.
     """
@@ -155,7 +155,7 @@ def ray_triangle_frame(origins: np.ndarray, directions: np.ndarray) -> RayTriang
     waist = np.where(narrow, waist, 0.0)
     # What is left of a focus by rounding is a point.
     size = _widest(around)
-    blur = np.maximum(rounding, SAME * (widest + np.abs(waist)) * (waist != 0.0))
+    blur = np.maximum(rounding, 4.0 * ROUNDING * (widest + np.abs(waist)) * (waist != 0.0))
     is_point = size <= blur
     size = np.where(is_point, longest[..., 0, 0], size)
     around = np.where(is_point[..., None, None], 0.0, around) / size[..., None, None]
@@ -176,7 +176,7 @@ def ray_triangle_frame(origins: np.ndarray, directions: np.ndarray) -> RayTriang
         planes=divided,
         flat=np.linalg.norm(planes, axis=-1).max(axis=-1) <= SAME,
         extent=extent,
-        blur=blur / size,
+        blur=np.where(is_point, blur, 0.0) / size,
         noise=noise,
     )
 
@@ -219,7 +219,8 @@ def _line(planes: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     for numerator, denominator in ((c, larger), (larger, a)):
         usable = ~exists & (np.abs(denominator) > SAME * np.abs(numerator))
         t0 = np.where(usable, numerator, 0.0) / np.where(usable, denominator, 1.0)
-        vanishes = usable & (np.linalg.norm(_normal(planes, t0), axis=-1) <= SAME * (1.0 + np.abs(t0)) ** 2)
+        terms = np.einsum("...k,...k->...", np.linalg.norm(planes, axis=-1), np.abs(t0[..., None]) ** np.arange(3))
+        vanishes = usable & (np.linalg.norm(_normal(planes, t0), axis=-1) <= SAME * terms)
         found, exists = np.where(vanishes, t0, found), exists | vanishes
     return found, exists
 

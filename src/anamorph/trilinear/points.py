@@ -53,8 +53,9 @@ class Projections:
         Where the point lies in the plane of the parametric triangle at t. Rays beyond the triangle count.
     valid : (..., N, 3) bool
         Where, moreover, ray(u, v, t) is the point to 1e-9 of the greater distance of point and origins from the
-        origins' middle, or to rounding of the coordinates. Real but not valid is a ray so far outside (weights beyond about 1e6) that float64 cannot
-        tell it, or none, where the parametric triangle is a line or a point and the point is not on it.
+        origins' middle, or to rounding of the coordinates. Real but not valid is a ray so far outside (weights beyond
+        about 1e5) that float64 cannot tell it, or none, where the parametric triangle is a line or a point and the
+        point is not on it.
     """
 
     t: np.ndarray
@@ -171,8 +172,8 @@ def _weights(frame: RayTriangleFrame, local: np.ndarray, t: np.ndarray) -> tuple
     normal = np.cross(e, g)
     area = np.sum(normal * normal, axis=-1)
     extent = np.sum(e * e, axis=-1) + np.sum(g * g, axis=-1)
-    thin = area <= (SAME * (full_e * _length(g) + _length(e) * full_g)) ** 2
     together = extent <= np.maximum(SAME * (full_e + full_g), frame.blur[..., None, None]) ** 2
+    thin = together | (area <= (SAME * (full_e * _length(g) + _length(e) * full_g)) ** 2)
 
     def solved(off: np.ndarray) -> np.ndarray:
         within = np.stack([np.sum(normal * np.cross(off, g), axis=-1), np.sum(normal * np.cross(e, off), axis=-1)], -1)
@@ -191,7 +192,10 @@ def _weights(frame: RayTriangleFrame, local: np.ndarray, t: np.ndarray) -> tuple
     pair = pair + np.where(thin[..., None], 0.0, solved(left(pair)))
     # What float64 loses in t and in the weights themselves.
     spans = full_e + full_g + (frame.extent + np.abs(frame.shift))[..., None, None] + np.abs(t)
-    lost = ROUNDING * ((1.0 + np.abs(pair).sum(axis=-1)) * spans + np.linalg.norm(local, axis=-1)[..., None])
+    uncertain = np.abs(pair).sum(axis=-1) * frame.blur[..., None, None]
+    lost = uncertain + ROUNDING * (
+        (1.0 + np.abs(pair).sum(axis=-1)) * spans + np.linalg.norm(local, axis=-1)[..., None]
+    )
     weights = 1.0 / 3.0 + pair @ SPREAD
     missed = np.where(np.abs(weights).max(axis=-1) <= OUTERMOST, _length(left(pair)) + lost, np.inf)
     return weights, missed

@@ -14,6 +14,7 @@ from hypothesis import strategies as st
 from anamorph.errors import AnamorphError
 from anamorph.trilinear import project_points, project_triangle
 from anamorph.trilinear.connect import connect
+from anamorph.trilinear.shapes import _crossing
 
 EXAMPLES = Path(__file__).parent / "data" / "c-configurations.csv"
 """Vallance 2005, tables C.1 and C.2: scene and view triangles of figures 4.1 to 4.7, by their printed labels."""
@@ -199,10 +200,17 @@ def test_two_corners_at_one_t_are_joined_in_either_order():
     )
 
 
+def test_an_edge_within_the_view_plane_is_cut_in_its_middle():
+    assert _crossing(np.zeros(3), 0).tolist() == [0.0, 0.5, 0.5]
+    assert _crossing(np.array([0.0, -1.0, 3.0]), 0).tolist() == [0.0, 0.75, 0.25]
+
+
 def test_rays_with_no_triangle_between_them_and_bad_input():
-    p, n, corners, _ = scene(0)
-    p[1], n[1] = p[0], n[0]
-    assert project_triangle(p, n, corners) == ()
+    # Equal but for rounding, of which the sides of the corners are then made.
+    for seed in range(40):
+        p, n, corners, random = scene(seed)
+        p[1], n[1] = p[0] + 5e-15 * random.normal(size=3), n[0] + 5e-15 * random.normal(size=3)
+        assert project_triangle(p, n, corners) == ()
     with pytest.raises(AnamorphError, match="three rows of three"):
         project_triangle(p, n, corners[:2])
     with pytest.raises(AnamorphError, match="finite"):

@@ -1,7 +1,7 @@
 """Points projected into ray triangles, against exact arithmetic, with degenerate ray triangles drawn on purpose.
 
 What "none is missed" means: the real roots of the cubic of the very float64 numbers given are counted and enclosed in
-rational arithmetic (Sturm's sequences). Each must be found whose ray has weights of at most 1e5, times t in units of
+rational arithmetic (Sturm's sequences). Each must be found whose ray has weights of at most 1e4, times t in units of
 the scene where that is more than 1, and whose parametric triangle is no flatter than 1 to 1e5 and no smaller than 1e-11
 of what it comes from. Beyond, no float64 t leads to the point within 1e-9, or many rays do. A double root and its
 neighbours count as one root wherever the point stays within 1e-9 of the scene's size of the parametric triangle's plane
@@ -230,7 +230,7 @@ def test_every_root_is_a_ray_through_the_point_and_none_is_missed(kind, nearly, 
         for root in exact_roots(cubic, 10**5):
             weights = exact_weights(pe, ne, se, root)
             reach = max(map(abs, weights)) * max(1, abs(root)) if weights else np.inf
-            if reach <= 1e5 and is_triangle(p, n * unit, float(root)):
+            if reach <= 1e4 and is_triangle(p, n * unit, float(root)):
                 there = [one_root(cubic, pe, ne, size_of(p, s), root, float(t)) for t in found]
                 assert any(there), (k, float(root), result.t[k] / unit)
 

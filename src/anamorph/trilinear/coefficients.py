@@ -155,7 +155,7 @@ def ray_triangle_frame(origins: np.ndarray, directions: np.ndarray) -> RayTriang
     waist = np.where(narrow, waist, 0.0)
     # What is left of a focus by rounding is a point.
     size = _widest(around)
-    blur = np.maximum(rounding, 4.0 * ROUNDING * (widest + np.abs(waist)) * (waist != 0.0))
+    blur = np.maximum(rounding, 16.0 * ROUNDING * (widest + np.abs(waist)) * (waist != 0.0))
     is_point = size <= blur
     size = np.where(is_point, longest[..., 0, 0], size)
     around = np.where(is_point[..., None, None], 0.0, around) / size[..., None, None]

@@ -112,7 +112,7 @@ def project_into(frame: RayTriangleFrame, points: np.ndarray) -> Projections:
     roots = real_roots(cubics.reshape(-1, 4), noise.ravel(), (INFINITE * (1.0 + far)).ravel())
     t, real = (array.reshape(*far.shape, 3) for array in roots)
     # Neither a flat ray triangle nor a point in all its planes has any t of its own.
-    some = np.abs(cubics).max(axis=-1) > noise
+    some = np.abs(cubics).max(axis=-1) > ROUNDING * (1.0 + far)
     real &= (some & ~frame.flat[..., None])[..., None]
     t = _polished(frame, local, t)
     weights, missed = _weights(frame, local, t)

@@ -25,9 +25,10 @@ BELOW: dict[str, set[str]] = {
     "frame": {"scene"},
     "rays": {"scene", "raymesh", "embree"},
     "optics": {"scene", "raymesh", "rays"},
+    "trilinear": {"scene", "raymesh", "projection"},
     "cameras": {"scene", "raymesh"},
     "gpu": {"scene", "frame", "projection"},
-    "methods": {"scene", "raymesh", "rays", "optics", "frame", "projection", "gpu", "cameras"},
+    "methods": {"scene", "raymesh", "rays", "optics", "frame", "projection", "gpu", "cameras", "trilinear"},
     "measure": {"scene", "optics", "frame", "gpu", "methods"},
     "viewer": {"scene", "raymesh", "rays", "optics", "frame", "projection", "gpu", "cameras", "methods", "measure"},
 }

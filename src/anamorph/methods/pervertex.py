@@ -28,6 +28,7 @@ from anamorph.methods.warp import MapPlan, plan_map, world_of
 from anamorph.optics.reflection import reflected_rays, reflector
 from anamorph.raymesh import RayMesh
 from anamorph.scene.camera import Camera
+from anamorph.scene.geometry import Geometry
 
 MAXIMUM_MAP = 4096
 
@@ -161,6 +162,10 @@ class PerVertexDrawing:
     def replaced(self) -> tuple[int, ...]:
         """The mirrors that show their front: the others are drawn with the scene."""
         return tuple(item.index for item in self._reflectors if item.plan is not None)
+
+    def deformed(self, geometry: Geometry) -> None:
+        """Have the vertex rays meet what has moved."""
+        self._world.caster.moved(geometry.positions)
 
     def prepare(self, encoder: wgpu.GPUCommandEncoder, camera: Camera, shift: tuple[float, float]) -> None:
         """Steps 1 to 3: plan and draw each mirror's map."""

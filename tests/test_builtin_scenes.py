@@ -16,7 +16,9 @@ from anamorph.scene.geometry import flatten
 from anamorph.scene.model import Diffuse, DirectionalLight, Glass, Mirror
 from anamorph.scene.surfaces import BezierPatch, Plane, Sphere, Surface
 
-NAMES = ("car-mirror", "spheres", "room", "flat-mirror", "spectacles-minus", "spectacles-plus", "magnifier")
+NAMES = (
+    "car-mirror", "spheres", "room", "flat-mirror", "spectacles-minus", "spectacles-plus", "magnifier", "deforming",
+)  # fmt: skip
 LENSES = ("spectacles-minus", "spectacles-plus", "magnifier")
 every_scene = pytest.mark.parametrize("name", NAMES)
 

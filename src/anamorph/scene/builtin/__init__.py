@@ -10,6 +10,7 @@ from dataclasses import dataclass
 
 from anamorph.errors import AnamorphError
 from anamorph.scene.builtin.car_mirror import car_mirror
+from anamorph.scene.builtin.deforming import deforming
 from anamorph.scene.builtin.flat_mirror import flat_mirror
 from anamorph.scene.builtin.lenses import magnifier, spectacles_minus, spectacles_plus
 from anamorph.scene.builtin.room import room
@@ -36,6 +37,7 @@ SCENES: dict[str, BuiltIn] = {
         BuiltIn("spectacles-minus", "a lens of -6 D before an eye in a room: all smaller", spectacles_minus),
         BuiltIn("spectacles-plus", "a lens of +6 D before an eye in a room: all larger", spectacles_plus),
         BuiltIn("magnifier", "a reading glass of +10 D at arm's length in a street: all reversed", magnifier),
+        BuiltIn("deforming", "a convex mirror over a rolling sea with flags: 300,000 moving triangles", deforming),
     )
 }
 

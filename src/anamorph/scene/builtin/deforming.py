@@ -76,11 +76,10 @@ def deformed(time: float) -> tuple[np.ndarray, np.ndarray]:
     rest = _rest()
     still = int(rest.geometry.first_vertex[1])
     wind = np.array([np.cos(np.radians(BEARING)), np.sin(np.radians(BEARING))])
-    before = (rest.geometry.positions, rest.geometry.normals)
-    positions, normals = (np.empty_like(values) for values in before)
-    positions[:still], normals[:still] = (values[:still] for values in before)
-    at_rest = (*(values[still:] for values in before), rest.reach[still:])
-    deform(*at_rest, wind, time, positions[still:], normals[still:])
+    before, upright = rest.geometry.positions, rest.geometry.normals
+    positions, normals = np.empty_like(before), np.empty_like(upright)
+    positions[:still], normals[:still] = before[:still], upright[:still]
+    deform(before[still:], upright[still:], rest.reach[still:], wind, time, positions[still:], normals[still:])
     return positions, normals
 
 
@@ -189,7 +188,7 @@ def _balls() -> list[tuple[Mesh, np.ndarray]]:
 
 
 def _places(count: int, radii: tuple[float, float], start: float) -> list[tuple[float, float]]:
-    """Places (x, z) on the water, outward by the golden angle: not far behind the mirror, nor between it and the eye."""
+    """Places (x, z) on the water, outward by the golden angle: not far behind the mirror nor before the eye."""
     eye, middle = np.array([EYE[0], EYE[2]]), np.array([MIDDLE[0], MIDDLE[2]])
     found: list[tuple[float, float]] = []
     nearest, farthest = radii

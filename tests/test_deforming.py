@@ -13,7 +13,8 @@ from scenes import drawn, open_view, scene_with, spherical_mirror
 
 from anamorph import cli
 from anamorph.errors import AnamorphError
-from anamorph.measure.deforming import COMPETITORS, deforming_table, time_deforming
+from anamorph.measure.deforming import COMPETITORS, DeformingTimes, Phases, deforming_table, time_deforming
+from anamorph.measure.timing import Timing
 from anamorph.methods import METHODS
 from anamorph.scene import builtin
 from anamorph.scene.builtin.deforming import deformed
@@ -43,9 +44,9 @@ def moved(points, normals, reach, time):
 directions = st.tuples(*[st.floats(-1, 1)] * 3).map(np.array).filter(lambda d: np.linalg.norm(d) > 0.1)
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=100, deadline=None)
 @given(
-    place=st.tuples(st.floats(-20, 20), st.floats(-1, 6), st.floats(-20, 20)).map(np.array),
+    place=st.tuples(st.floats(-45, 45), st.floats(-1, 6), st.floats(-45, 45)).map(np.array),
     normal=directions,
     other=directions,
     reach=st.one_of(st.just(-1.0), st.just(0.0), st.floats(0.05, 2.0)),
@@ -67,7 +68,7 @@ def test_normals_stay_at_right_angles_to_the_surface(place, normal, other, reach
     tangent, cotangent = (places[0] - places[1]) / (2 * step), (places[2] - places[3]) / (2 * step)
     assert np.linalg.norm(normals[4]) == pytest.approx(1.0, abs=1e-5)
     for edge in (tangent, cotangent):
-        assert abs(edge @ normals[4]) < 3e-3 * max(np.linalg.norm(edge), 1.0)
+        assert abs(edge @ normals[4]) < 1e-3 * max(np.linalg.norm(edge), 1.0)
     assert np.cross(tangent, cotangent) @ normals[4] > 0.0
 
 
@@ -97,6 +98,13 @@ def test_the_scene_has_its_triangles_and_all_but_the_mirrors_move():
         assert (positions[:still] == start[:still]).all()
         assert np.abs(np.linalg.norm(normals, axis=1) - 1.0).max() < 1e-5
     assert travelled[still:].min() > 1e-4
+
+
+def test_flags_have_two_sides():
+    flags = [mesh for mesh in deforming().meshes if mesh.name.startswith("flags")]
+    assert len(flags) == 5
+    for mesh in flags:
+        assert np.linalg.norm(mesh.normals.mean(axis=0)) < 1e-3 < np.abs(mesh.normals).mean()
 
 
 def test_triangles_of_the_deformed_scene_still_turn_with_their_normals():
@@ -148,7 +156,8 @@ def test_a_session_can_be_put_back():
     session.deform(other.positions, other.normals)
     session.deform(geometry.positions, geometry.normals)
     session.draw(SCENE.camera)
-    assert np.median(np.abs(session.frame().color - drawn(SCENE, "raytrace").color)) == 0.0
+    difference = np.abs(session.frame().color - drawn(SCENE, "raytrace").color)
+    assert (difference.max(axis=-1) > 1e-3).mean() < 0.002
 
 
 def test_what_the_caller_does_with_its_arrays_later_does_not_matter():
@@ -202,16 +211,26 @@ def test_the_methods_agree_on_the_built_in_scene_at_a_later_time():
     assert np.median(np.abs(traced.color - warped.color).max(axis=-1)[mirror]) < 0.01
 
 
-def test_the_benchmark_takes_turns_and_names_its_competitor(monkeypatch):
+def test_the_benchmark_takes_turns_and_names_its_competitor():
     times = time_deforming(["environment:face=32"], (40, 30), frames=2)
     assert tuple(times.methods) == ("environment:face=32", *COMPETITORS)
-    assert times.competitor in COMPETITORS and times.speed(times.competitor) == 1.0
     for phases in times.methods.values():
         assert phases.frame.n == phases.deform.n == times.upload.n == 2
-        assert phases.deform.median + phases.draw.median + phases.device.median <= 3.0 * phases.frame.max
     assert times.methods["raytrace:tree=rebuild"].p95_pixels == pytest.approx(0.0, abs=0.01)
     assert times.methods["environment:face=32"].p95_pixels > 0.1
     assert deforming_table(times).row_count == 3
+
+
+@pytest.mark.parametrize("fast", COMPETITORS)
+def test_the_faster_ray_tracer_is_the_competitor(fast):
+    def phases(median: float) -> Phases:
+        part = Timing(median, median, median, 1)
+        return Phases(part, part, part, part, None)
+
+    methods = {name: phases(8.0 if name == fast else 12.0) for name in COMPETITORS} | {"pervertex": phases(4.0)}
+    times = DeformingTimes((40, 30), "", Timing(1.0, 1.0, 1.0, 1), methods)
+    assert times.competitor == fast
+    assert times.speed("pervertex") == 2.0 and times.speed(fast) == 1.0
 
 
 def test_the_benchmark_from_the_command_line(capsys):

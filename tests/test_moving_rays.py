@@ -10,6 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from test_rays import geometry_of, random_rays, soup
 
+from anamorph import rays
 from anamorph.rays import Caster
 from anamorph.scene.builtin.shapes import lattice
 
@@ -86,18 +87,34 @@ def test_without_triangles_there_is_nothing_to_hit(way):
         assert caster.cast([[0, 0, 2.0]], [[0, 0, -1.0]]).triangle[0] == -1
 
 
-@pytest.mark.parametrize("rebuild", [False, True])
-def test_moving_takes_no_more_memory_each_time(rebuild):
+@pytest.mark.parametrize("ways", [(False, False), (True, True), (False, True)], ids=["refit", "rebuild", "in turn"])
+def test_moving_takes_no_more_memory_each_time(ways):
     start = sea(count=80)
     caster = Caster(start)
 
-    def most() -> int:
+    def move_and_look(count: int) -> int:
+        for _ in range(count):
+            for rebuild in ways:
+                caster.moved(start.positions, rebuild)
         return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
 
-    for _ in range(30):
-        caster.moved(start.positions, rebuild)
-    before = most()
-    for _ in range(200):
-        caster.moved(start.positions, rebuild)
     # One tree over these 12,482 triangles takes more than a megabyte: 200 would be in plain sight.
-    assert most() - before < 50 * 1024
+    before = move_and_look(20)
+    assert move_and_look(100) - before < 50 * 1024
+
+
+def test_a_tree_that_cannot_be_moved_falls_back(monkeypatch):
+    def unavailable(tree, positions):
+        raise rays.embree.EmbreeUnavailable("Embree could not build its tree")
+
+    caster = Caster(sea())
+    caster.moved(sea().positions)
+    monkeypatch.setattr(rays.embree.Tree, "move", unavailable)
+    caster.moved(sea(time=2.0).positions)
+    assert caster.way == "embreex"
+    assert_like_a_fresh_tree(caster, sea(time=2.0).positions, sea().faces)
+
+
+def test_trees_that_move_to_the_wrong_place_fail_the_check(monkeypatch):
+    monkeypatch.setattr(rays.embree.Tree, "move", lambda tree, positions: None)
+    assert not rays.direct_works.__wrapped__()

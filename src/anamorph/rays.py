@@ -153,9 +153,12 @@ class Caster:
         upkeep = embree.Upkeep.REBUILD if rebuild else embree.Upkeep.REFIT
         self.near = _near(positions)
         if isinstance(self._tree, embree.Tree) and self._tree.upkeep is upkeep:
-            self._tree.move(positions)
-        else:
-            self._tree = self._build(positions, upkeep)
+            try:
+                self._tree.move(positions)
+                return
+            except embree.EmbreeUnavailable:
+                self.way = "embreex"
+        self._tree = self._build(positions, upkeep)
 
     def cast(
         self,

@@ -59,6 +59,9 @@ class FakeSession:
         self.calls.append("draw")
         self.eyes.append(camera.position)
 
+    def deform(self, positions: np.ndarray, normals: np.ndarray) -> None:
+        self.calls.append("deform")
+
     def wait(self) -> None:
         self.calls.append("wait")
 

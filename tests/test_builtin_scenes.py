@@ -18,7 +18,7 @@ from anamorph.scene.surfaces import BezierPatch, Plane, Sphere, Surface
 
 NAMES = (
     *("car-mirror", "spheres", "room", "flat-mirror", "spectacles-minus", "spectacles-plus", "magnifier"),
-    *("curvature-series", "saddle", "car-windows", "facing-mirrors", "torus"),
+    *("curvature-series", "saddle", "car-windows", "facing-mirrors", "torus", "deforming"),
 )
 LENSES = ("spectacles-minus", "spectacles-plus", "magnifier")
 HOLLOW = (*LENSES, "curvature-series")

@@ -193,7 +193,7 @@ def test_after_a_failed_piece_none_is_running_and_no_other_starts(monkeypatch):
 
 
 def test_a_tree_that_cannot_be_built_falls_back(monkeypatch):
-    def unavailable(positions, faces):
+    def unavailable(positions, faces, upkeep):
         raise rays.embree.EmbreeUnavailable("Embree could not build its tree")
 
     assert rays.direct_works()

@@ -23,7 +23,7 @@ from anamorph.measure.compare import Comparison, compare
 from anamorph.measure.figures import ROWS, number, status_shares
 from anamorph.measure.heatmap import HIGHEST, LOWEST, VIRIDIS, heat_map, scale_colors
 from anamorph.measure.report import report_page, specular_box
-from anamorph.measure.table import print_table
+from anamorph.measure.table import comparison_table, print_table
 from anamorph.measure.timing import WARM_UP, Timing, eye_path, time_in_turn
 from anamorph.methods.protocol import Method
 from anamorph.scene.camera import Camera
@@ -169,7 +169,7 @@ def test_a_scene_of_mirrors_alone_has_no_frame_without_them(sessions, capsys):
     assert comparison.without_mirrors is None
     assert json.loads(comparison.to_json())["without_mirrors_ms"] is None
     assert "nothing is left of the scene" in report_page(comparison)
-    print_table(comparison)
+    print_table(comparison_table(comparison))
     assert "without mirrors" in capsys.readouterr().out
 
 
@@ -287,7 +287,7 @@ def test_numbers_have_three_digits_and_no_exponent(value, text):
 
 
 def test_the_table_names_methods_units_and_the_competitor(comparison, capsys):
-    print_table(comparison)
+    print_table(comparison_table(comparison))
     printed = capsys.readouterr().out
     for word in ("pervertex", ODD, "raytrace", "mrad", "as fast as raytrace", "Fake & Sons", "flat <mirror>"):
         assert word in printed

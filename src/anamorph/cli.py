@@ -25,6 +25,9 @@ if TYPE_CHECKING:
 NOTEWORTHY = 0.005
 """The share of a picture's mirrors without an answer that a user is told of."""
 
+MOST_FRAMES = 300
+"""Of a benchmark: where every vertex is in each of them is kept ready."""
+
 SEEN = ("position", "object_id", "specular", "status", "deviation")
 
 EXAMPLES = """examples:
@@ -34,6 +37,7 @@ EXAMPLES = """examples:
   anamorph render car-mirror --tolerance 0.5 -o sure.png --seen status=status.npy deviation=deviation.npy
   anamorph render mirror.step --scene car-mirror --faces 1 -o mirror.png
   anamorph compare car-mirror -m pervertex -m environment --html report.html --json report.json
+  anamorph bench deforming
   anamorph demo
 """
 
@@ -118,7 +122,7 @@ def _compare(arguments: argparse.Namespace) -> None:
     _check_distinct(*outputs)
     from anamorph.measure.compare import compare
     from anamorph.measure.report import report_page
-    from anamorph.measure.table import print_table
+    from anamorph.measure.table import comparison_table, print_table
     from anamorph.methods import METHODS, parse, with_option
     from anamorph.scene.opening import open_scene
 
@@ -137,7 +141,26 @@ def _compare(arguments: argparse.Namespace) -> None:
         save_text(arguments.json, comparison.to_json())
     if arguments.html:
         save_text(arguments.html, report_page(comparison))
-    print_table(comparison)
+    print_table(comparison_table(comparison))
+
+
+def _bench(arguments: argparse.Namespace) -> None:
+    from anamorph.measure.deforming import DEFAULT, deforming_table, time_deforming
+    from anamorph.measure.table import print_table
+    from anamorph.methods import parse
+    from anamorph.scene.scenefile import DEFAULT_SIZE
+
+    for spec in arguments.method or ():
+        parse(spec)
+    what = f"timing {arguments.benchmark}"
+    with progress_bar(what) as tell:
+        times = time_deforming(
+            arguments.method or DEFAULT,
+            arguments.size or DEFAULT_SIZE,
+            arguments.frames,
+            lambda done, total: tell(done, total, what),
+        )
+    print_table(deforming_table(times))
 
 
 def _scenes(arguments: argparse.Namespace) -> None:
@@ -158,11 +181,11 @@ def _info(arguments: argparse.Namespace) -> None:
 
 def _demo(arguments: argparse.Namespace) -> None:
     from anamorph.demo import make_demo
-    from anamorph.measure.table import print_table
+    from anamorph.measure.table import comparison_table, print_table
 
     with progress_bar("starting") as tell:
         comparison = make_demo(arguments.output, arguments.command_line, tell)
-    print_table(comparison)
+    print_table(comparison_table(comparison))
     print(f"Pictures and the page are in {arguments.output}; open {arguments.output / 'index.html'}")
 
 
@@ -207,6 +230,12 @@ def _size(text: str) -> tuple[int, int]:
 def _samples(text: str) -> int:
     if not (text.isascii() and text.isdigit() and int(text) > 0):
         raise argparse.ArgumentTypeError(f"'{text}' is no number of samples; write a whole number from 1")
+    return int(text)
+
+
+def _frames(text: str) -> int:
+    if not (text.isascii() and text.isdigit() and 0 < int(text) <= MOST_FRAMES):
+        raise argparse.ArgumentTypeError(f"'{text}' is no number of frames; write a whole number up to {MOST_FRAMES}")
     return int(text)
 
 
@@ -286,6 +315,12 @@ def _parser() -> argparse.ArgumentParser:
     compare.add_argument("--tolerance", metavar="PX", type=float, help=tolerance)
     compare.add_argument("--json", metavar="FILE", type=Path, help="write the figures as JSON")
     compare.add_argument("--html", metavar="FILE", type=Path, help="write one page with pictures, errors and figures")
+
+    bench = command("bench", _bench, "time methods against the ray tracer while a whole scene deforms")
+    bench.add_argument("benchmark", choices=("deforming",), help="the scene, of 300,000 triangles that all move")
+    bench.add_argument("-m", "--method", metavar="METHOD", action="append", help=f"{method}; may be repeated")
+    bench.add_argument("--size", metavar="WxH", type=_size, help=size)
+    bench.add_argument("--frames", metavar="N", type=_frames, default=30, help="how many frames are timed (30)")
 
     cad(render)
     cad(compare)

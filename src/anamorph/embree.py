@@ -11,6 +11,7 @@ from __future__ import annotations
 import ctypes
 import importlib.util
 import weakref
+from enum import Enum
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -21,7 +22,7 @@ from numba import types
 from numba.core import cgutils
 from numba.extending import intrinsic
 
-from anamorph.compiled import compiled
+from anamorph.compiled import compiled, cores
 
 PACKET = 16
 MISS = 0xFFFFFFFF
@@ -33,7 +34,8 @@ NORMAL, U, V, PRIMITIVE, GEOMETRY, INSTANCE = 12, 15, 16, 17, 18, 19
 ROWS = 24
 
 _TRIANGLES, _INDICES, _VERTICES, _UINT3, _FLOAT3 = 0, 0, 1, 0x5003, 0x9003
-_ROBUST = 1 << 2
+_DYNAMIC, _ROBUST = 1 << 0, 1 << 2
+_LOW, _MEDIUM, _REFIT = 0, 1, 3
 _COHERENT = 1 << 16
 _ALL_FEATURES = 0xFFFFFFFF
 _SIGNATURES = {
@@ -42,6 +44,7 @@ _SIGNATURES = {
     "rtcGetDeviceError": (ctypes.c_int, [ctypes.c_void_p]),
     "rtcNewScene": (ctypes.c_void_p, [ctypes.c_void_p]),
     "rtcSetSceneFlags": (None, [ctypes.c_void_p, ctypes.c_int]),
+    "rtcSetSceneBuildQuality": (None, [ctypes.c_void_p, ctypes.c_int]),
     "rtcCommitScene": (None, [ctypes.c_void_p]),
     "rtcReleaseScene": (None, [ctypes.c_void_p]),
     "rtcNewGeometry": (ctypes.c_void_p, [ctypes.c_void_p, ctypes.c_int]),
@@ -49,6 +52,8 @@ _SIGNATURES = {
         None,
         [ctypes.c_void_p, ctypes.c_int, ctypes.c_uint, ctypes.c_int, ctypes.c_void_p] + [ctypes.c_size_t] * 3,
     ),
+    "rtcSetGeometryBuildQuality": (None, [ctypes.c_void_p, ctypes.c_int]),
+    "rtcUpdateGeometryBuffer": (None, [ctypes.c_void_p, ctypes.c_int, ctypes.c_uint]),
     "rtcCommitGeometry": (None, [ctypes.c_void_p]),
     "rtcAttachGeometry": (ctypes.c_uint, [ctypes.c_void_p, ctypes.c_void_p]),
     "rtcReleaseGeometry": (None, [ctypes.c_void_p]),
@@ -80,10 +85,27 @@ def _library() -> tuple[ctypes.CDLL, int, int]:
         address = ctypes.cast(library.rtcIntersect16, ctypes.c_void_p).value
     except (OSError, AttributeError) as error:
         raise EmbreeUnavailable(str(error)) from error
-    device = library.rtcNewDevice(None)
+    # Left to itself the threading library may well build trees on one core.
+    device = library.rtcNewDevice(f"threads={cores()}".encode())
     if not device or not address or not 40000 <= library.rtcGetDeviceProperty(device, 0) < 50000:
         raise EmbreeUnavailable("libembree4 does not answer as Embree 4")
     return library, device, address
+
+
+class Upkeep(Enum):
+    """How a tree follows vertices that move.
+
+    NONE: not at all; rays find their way through it soonest. REFIT: its boxes grow and shrink, and it stays the tree
+    that it was. REBUILD: it is made anew, in haste.
+    """
+
+    NONE = 0
+    REFIT = 1
+    REBUILD = 2
+
+
+_QUALITIES = {Upkeep.NONE: (_MEDIUM, _MEDIUM), Upkeep.REFIT: (_LOW, _REFIT), Upkeep.REBUILD: (_LOW, _LOW)}
+"""Build qualities of scene and geometry. Only scenes of low quality keep a tree for each geometry, to be refitted."""
 
 
 class Tree:
@@ -93,10 +115,14 @@ class Tree:
     ----------
     positions : (V, 3) float32
     faces : (F, 3) int32
+    upkeep : Upkeep
+        What `move` will do.
     """
 
-    def __init__(self, positions: np.ndarray, faces: np.ndarray) -> None:
+    def __init__(self, positions: np.ndarray, faces: np.ndarray, upkeep: Upkeep = Upkeep.NONE) -> None:
         library, device, self._intersect = _library()
+        self.upkeep = upkeep
+        self._geometry: int | None = None
         # Embree reads the last vertex with a 16-byte load.
         self._vertices = np.zeros((len(positions) + 1, 3), np.float32)
         self._vertices[:-1] = positions
@@ -104,9 +130,12 @@ class Tree:
         scene = library.rtcNewScene(device)
         self._scene = scene
         self._release = weakref.finalize(self, library.rtcReleaseScene, scene)
-        library.rtcSetSceneFlags(scene, _ROBUST)
+        library.rtcSetSceneFlags(scene, _ROBUST if upkeep is Upkeep.NONE else _ROBUST | _DYNAMIC)
+        scene_quality, geometry_quality = _QUALITIES[upkeep]
+        library.rtcSetSceneBuildQuality(scene, scene_quality)
         if len(faces):
-            geometry = library.rtcNewGeometry(device, _TRIANGLES)
+            self._geometry = geometry = library.rtcNewGeometry(device, _TRIANGLES)
+            library.rtcSetGeometryBuildQuality(geometry, geometry_quality)
             for kind, layout, array, count in (
                 (_VERTICES, _FLOAT3, self._vertices, len(positions)),
                 (_INDICES, _UINT3, self._faces, len(faces)),
@@ -114,11 +143,26 @@ class Tree:
                 library.rtcSetSharedGeometryBuffer(geometry, kind, 0, layout, array.ctypes.data, 0, 12, count)
             library.rtcCommitGeometry(geometry)
             library.rtcAttachGeometry(scene, geometry)
+            # The scene keeps it as long as it is there itself.
             library.rtcReleaseGeometry(geometry)
-        library.rtcCommitScene(scene)
+        self._commit()
+        self._arguments = {coherent: _query_arguments(coherent) for coherent in (False, True)}
+
+    def move(self, positions: np.ndarray) -> None:
+        """Put the vertices at `positions` (V, 3), while no ray is on its way; not for a tree without upkeep."""
+        assert self.upkeep is not Upkeep.NONE
+        self._vertices[:-1] = positions
+        if self._geometry is not None:
+            library = _library()[0]
+            library.rtcUpdateGeometryBuffer(self._geometry, _VERTICES, 0)
+            library.rtcCommitGeometry(self._geometry)
+            self._commit()
+
+    def _commit(self) -> None:
+        library, device, _ = _library()
+        library.rtcCommitScene(self._scene)
         if library.rtcGetDeviceError(device):
             raise EmbreeUnavailable("Embree could not build its tree")
-        self._arguments = {coherent: _query_arguments(coherent) for coherent in (False, True)}
 
     def cast(
         self,

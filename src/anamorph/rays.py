@@ -86,17 +86,30 @@ def direct_works() -> bool:
     directions = random.normal(size=(301, 3)) * 0.2 - [0.0, 0.0, 1.0]
     near = np.where(np.arange(301) % 7, 0.0, 9.0)
     try:
-        tree = embree.Tree(positions, faces)
+        trees = [embree.Tree(positions, faces)]
+        for upkeep in (embree.Upkeep.REFIT, embree.Upkeep.REBUILD):
+            trees.append(embree.Tree(np.roll(positions, 1, axis=1), faces, upkeep))
+            trees[-1].move(positions)
     except embree.EmbreeUnavailable:
         return False
-    expected, found = Hits.empty(301), Hits.empty(301)
-    for way, hits in ((_Wrapper(positions, faces), expected), (tree, found)):
-        way.cast(origins, directions, near, False, hits.distance, hits.triangle, hits.barycentric)
-    return bool(
+
+    def hits_of(tree: embree.Tree | _Wrapper) -> Hits:
+        hits = Hits.empty(301)
+        tree.cast(origins, directions, near, False, hits.distance, hits.triangle, hits.barycentric)
+        return hits
+
+    expected = hits_of(_Wrapper(positions, faces))
+    return all(
         (expected.triangle == found.triangle).mean() > 0.99
         and np.isclose(expected.distance, found.distance, rtol=1e-4).all()
         and np.isclose(expected.barycentric, found.barycentric, atol=1e-3).all(axis=1).mean() > 0.99
+        for found in map(hits_of, trees)
     )
+
+
+def _near(positions: np.ndarray) -> float:
+    """What a ray is uncertain by, which is rounded to float32: more than 6e-8 of the coordinates."""
+    return 1e-6 * float(max(positions.max(initial=0.0), -positions.min(initial=0.0)))
 
 
 class Caster:
@@ -119,17 +132,33 @@ class Caster:
         if wanted not in ("embree", "embreex"):
             raise AnamorphError(f"ANAMORPH_RAYS is {wanted!r}; set it to embree or embreex, or unset it")
         self.way = "embree" if wanted == "embree" and direct_works() else "embreex"
-        self._tree = self._build(geometry)
-        # Rays are rounded to float32, by 6e-8 of the coordinates.
-        self.near = 1e-6 * float(np.abs(geometry.positions).max(initial=0.0))
+        self._faces = geometry.faces
+        self._tree = self._build(geometry.positions, embree.Upkeep.NONE)
+        self.near = _near(geometry.positions)
 
-    def _build(self, geometry: Geometry) -> embree.Tree | _Wrapper:
+    def _build(self, positions: np.ndarray, upkeep: embree.Upkeep) -> embree.Tree | _Wrapper:
         if self.way == "embree":
             try:
-                return embree.Tree(geometry.positions, geometry.faces)
+                return embree.Tree(positions, self._faces, upkeep)
             except embree.EmbreeUnavailable:
                 self.way = "embreex"
-        return _Wrapper(geometry.positions, geometry.faces)
+        return _Wrapper(positions, self._faces)
+
+    def moved(self, positions: np.ndarray, rebuild: bool = False) -> None:
+        """Follow the scene's vertices to `positions` (V, 3) float32, while no ray is on its way.
+
+        The first move builds a tree for it; later ones refit that tree, or `rebuild` it. A refitted tree is right
+        wherever the vertices go, but slows the rays the more the further neighbours part. The wrapper builds anew.
+        """
+        upkeep = embree.Upkeep.REBUILD if rebuild else embree.Upkeep.REFIT
+        self.near = _near(positions)
+        if isinstance(self._tree, embree.Tree) and self._tree.upkeep is upkeep:
+            try:
+                self._tree.move(positions)
+                return
+            except embree.EmbreeUnavailable:
+                self.way = "embreex"
+        self._tree = self._build(positions, upkeep)
 
     def cast(
         self,

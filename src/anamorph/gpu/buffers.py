@@ -91,7 +91,7 @@ def upload_scene(scene: Scene, geometry: Geometry) -> SceneBuffers:
         texture_sampler(vertical="clamp-to-edge"),
     ]
     return SceneBuffers(
-        vertices=storage_buffer(_vertices(geometry), wgpu.BufferUsage.VERTEX),
+        vertices=storage_buffer(pack_vertices(geometry), wgpu.BufferUsage.VERTEX),
         indices=storage_buffer(geometry.faces.astype(np.uint32), wgpu.BufferUsage.INDEX),
         first_vertex=geometry.first_vertex,
         first_face=geometry.first_face,
@@ -125,7 +125,13 @@ def roomy_buffer(buffer: wgpu.GPUBuffer | None, needed: int) -> wgpu.GPUBuffer:
     return get_device().create_buffer(size=size, usage=wgpu.BufferUsage.STORAGE | wgpu.BufferUsage.COPY_DST)
 
 
-def _vertices(geometry: Geometry) -> np.ndarray:
+def upload_vertices(buffers: SceneBuffers, vertices: np.ndarray) -> None:
+    """Replace all vertices of a scene, (V,) of `VERTEX`."""
+    get_device().queue.write_buffer(buffers.vertices, 0, vertices)
+
+
+def pack_vertices(geometry: Geometry) -> np.ndarray:
+    """The vertices as the device reads them, (V,) of `VERTEX`."""
     vertices = np.zeros(len(geometry.positions), VERTEX)
     vertices["position"] = geometry.positions
     vertices["normal"] = geometry.normals

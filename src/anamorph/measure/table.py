@@ -1,4 +1,4 @@
-"""The table of a comparison on the terminal."""
+"""Tables on the terminal, and that of a comparison."""
 
 from __future__ import annotations
 
@@ -31,10 +31,9 @@ def comparison_table(comparison: Comparison) -> Table:
     return table
 
 
-def print_table(comparison: Comparison) -> None:
-    """Print the table on stdout: as wide as the terminal, or as wide as it needs to be where there is none."""
+def print_table(table: Table) -> None:
+    """Print a table on stdout: as wide as the terminal, or as wide as it needs to be where there is none."""
     console = Console(highlight=False)
-    table = comparison_table(comparison)
     if not console.is_terminal:
         console.width = max(80, Console(width=10_000).measure(table).maximum)
     console.print(table)

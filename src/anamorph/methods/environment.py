@@ -28,6 +28,7 @@ from anamorph.optics.reflection import reflected_rays, reflector
 from anamorph.projection import UNIFORM_BYTES, Projection, pinhole_projection
 from anamorph.raymesh import RayMesh, RayStatus
 from anamorph.scene.camera import Camera
+from anamorph.scene.geometry import Geometry
 from anamorph.scene.model import Scene
 
 DEFAULT_FACE, MAXIMUM_FACE = 1024, 4096
@@ -177,6 +178,9 @@ class CubeDrawing:
         self._seen = make_pipeline(
             module, "scene_vertex", "environment_seen", SEEN_FORMATS, groups=(layout,), cull="back"
         )
+
+    def deformed(self, geometry: Geometry) -> None:
+        """The next frame draws the cube maps anew; a static one stays as it is."""
 
     def prepare(self, encoder: wgpu.GPUCommandEncoder, camera: Camera, shift: tuple[float, float]) -> None:
         """Draw each mirror's cube map, all of it once, or every time the faces that the frame needs."""

@@ -62,6 +62,12 @@ class PathTracer:
         ]
         self._thread = threading.local()
 
+    def moved(self, geometry: Geometry) -> None:
+        """Follow the scene's vertices to where they are in `geometry`; its caster has followed already."""
+        self._world = self._world._replace(
+            positions=geometry.positions, normals=geometry.normals, near=self._caster.near
+        )
+
     def trace(
         self,
         camera: Camera,

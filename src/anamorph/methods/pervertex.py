@@ -31,6 +31,7 @@ from anamorph.methods.session import DrawingSession, Stage
 from anamorph.methods.warp import PlanOptions
 from anamorph.methods.world import world_of
 from anamorph.scene.camera import Camera
+from anamorph.scene.geometry import Geometry
 
 MAXIMUM_BOUNCES = 8
 MAXIMUM_REFINEMENTS = 16
@@ -166,6 +167,10 @@ class PerVertexDrawing:
     def replaced(self) -> tuple[int, ...]:
         """The mirrors that show their front: the others are drawn with the scene."""
         return () if self._picture is None else self._picture.replaced
+
+    def deformed(self, geometry: Geometry) -> None:
+        """Have the vertex rays meet what has moved."""
+        self._world.caster.moved(geometry.positions)
 
     def prepare(self, encoder: wgpu.GPUCommandEncoder, camera: Camera, shift: tuple[float, float]) -> None:
         """Steps 1 to 3: plan all maps, and draw them."""

@@ -10,6 +10,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, Protocol
 
+import numpy as np
+
 from anamorph.frame import Frame, View
 from anamorph.scene.camera import Camera
 
@@ -19,6 +21,14 @@ class Session(Protocol):
 
     def draw(self, camera: Camera, shift: tuple[float, float] = (0.0, 0.0)) -> None:
         """Submit one frame; `shift` moves its sample points by a fraction of a pixel, right and down."""
+        ...
+
+    def deform(self, positions: np.ndarray, normals: np.ndarray) -> None:
+        """Move the scene's vertices, for every frame to come; `positions` and `normals` are (V, 3) float32.
+
+        They are numbered as `scene.geometry.flatten` does, and the triangles between them stay. Specular meshes stay
+        where they are, because their exact surfaces do.
+        """
         ...
 
     def wait(self) -> None:

@@ -22,6 +22,7 @@ from anamorph.methods.session import DrawingSession, Stage
 from anamorph.methods.tiles import Tiles, tiles_at_once
 from anamorph.rays import Caster
 from anamorph.scene.camera import Camera
+from anamorph.scene.geometry import Geometry
 
 
 @dataclass(frozen=True)
@@ -37,11 +38,14 @@ class Options:
         How many specular surfaces a path may meet.
     dispersion : bool
         Whether red and blue light goes its own way through glass that has an Abbe number. Seen buffers are green's.
+    tree : str
+        How Embree's tree follows a scene that deforms: "refit", or "rebuild" where what were neighbours part for good.
     """
 
     truth: str = "surface"
     bounces: int = 8
     dispersion: bool = True
+    tree: str = "refit"
 
 
 class TracedDrawing:
@@ -51,13 +55,18 @@ class TracedDrawing:
         self._stage = stage
         self._dispersion = options.dispersion
         self.replaced = stage.buffers.specular
-        self._tracer = PathTracer(
-            stage.view.scene, stage.geometry, Caster(stage.geometry), options.bounces, options.truth
-        )
+        self._caster = Caster(stage.geometry)
+        self._rebuilds = options.tree == "rebuild"
+        self._tracer = PathTracer(stage.view.scene, stage.geometry, self._caster, options.bounces, options.truth)
         self._bands: list[Tiles] = []
         self._used = 0
         self._eye: tuple[Camera, tuple[float, float]] | None = None
         self._records: tuple[Rectangle, np.ndarray] | None = None
+
+    def deformed(self, geometry: Geometry) -> None:
+        """Refit or rebuild the tree."""
+        self._caster.moved(geometry.positions, self._rebuilds)
+        self._tracer.moved(geometry)
 
     def prepare(self, encoder: wgpu.GPUCommandEncoder, camera: Camera, shift: tuple[float, float]) -> None:
         """Trace the rectangle that bounds the specular surfaces, and upload where its paths end."""
@@ -119,6 +128,8 @@ def open_session(view: View, options: Options) -> Session:
     """Start ray tracing `view`."""
     if options.truth not in ("surface", "raymesh"):
         raise AnamorphError(f"raytrace: truth is {options.truth}; give surface or raymesh")
+    if options.tree not in ("refit", "rebuild"):
+        raise AnamorphError(f"raytrace: tree is {options.tree}; give refit or rebuild")
     if not 1 <= options.bounces <= 255:
         raise AnamorphError(f"raytrace: bounces is {options.bounces}; give a number from 1 to 255")
     stage = Stage(view)

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
+from functools import cached_property
 from typing import Protocol
 
 import numpy as np
@@ -10,7 +12,7 @@ import wgpu
 
 from anamorph.errors import AnamorphError
 from anamorph.frame import Frame, View
-from anamorph.gpu.buffers import SceneBuffers, upload_scene
+from anamorph.gpu.buffers import SceneBuffers, pack_vertices, upload_scene, upload_vertices
 from anamorph.gpu.device import get_device, maximum_size
 from anamorph.gpu.drawing import (
     ProjectionUniform,
@@ -34,6 +36,10 @@ class SpecularDrawing(Protocol):
     @property
     def replaced(self) -> tuple[int, ...]:
         """Indices of the meshes that this drawing draws itself, known once the frame is prepared."""
+        ...
+
+    def deformed(self, geometry: Geometry) -> None:
+        """Take notice that vertices have moved: they are where `geometry` says, and so on the device."""
         ...
 
     def prepare(self, encoder: wgpu.GPUCommandEncoder, camera: Camera, shift: tuple[float, float]) -> None:
@@ -76,6 +82,33 @@ class Stage:
         self.buffers: SceneBuffers = upload_scene(view.scene, self.geometry)
         self.projection: ProjectionUniform = projection_uniform()
 
+    @cached_property
+    def _vertices(self) -> np.ndarray:
+        return pack_vertices(self.geometry)
+
+    def deform(self, positions: np.ndarray, normals: np.ndarray) -> None:
+        """Move the vertices, here and on the device. See `Session.deform`."""
+        self.geometry = replace(
+            self.geometry,
+            positions=self._checked("positions", positions, self.geometry.positions),
+            normals=self._checked("normals", normals, self.geometry.normals),
+        )
+        self._vertices["position"], self._vertices["normal"] = self.geometry.positions, self.geometry.normals
+        upload_vertices(self.buffers, self._vertices)
+
+    def _checked(self, name: str, given: np.ndarray, before: np.ndarray) -> np.ndarray:
+        values = np.array(given, np.float32, order="C")
+        if values.shape != before.shape:
+            raise AnamorphError(f"deform: {name} have the shape {values.shape}; give {before.shape}")
+        if not np.isfinite(values).all():
+            raise AnamorphError(f"deform: {name} are not all finite; give numbers")
+        for index in self.buffers.specular:
+            own = slice(*self.geometry.first_vertex[index : index + 2])
+            if not np.array_equal(values[own], before[own]):
+                mesh = self.view.scene.meshes[index].name
+                raise AnamorphError(f"deform: {name} of {mesh!r} differ, which is specular; leave its vertices alone")
+        return values
+
 
 class DrawingSession:
     """Draws the scene and, through a `SpecularDrawing`, its specular meshes. See `Session`."""
@@ -100,6 +133,11 @@ class DrawingSession:
         render_pass.end()
         submit(encoder)
         self._drawing.complete(self._target, camera, shift)
+
+    def deform(self, positions: np.ndarray, normals: np.ndarray) -> None:
+        """Move the scene's vertices."""
+        self._stage.deform(positions, normals)
+        self._drawing.deformed(self._stage.geometry)
 
     def wait(self) -> None:
         """Return when every submitted frame is finished."""

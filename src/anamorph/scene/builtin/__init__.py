@@ -13,6 +13,7 @@ from anamorph.scene.builtin.car_mirror import car_mirror
 from anamorph.scene.builtin.car_windows import car_windows
 from anamorph.scene.builtin.curvature_series import curvature_series
 from anamorph.scene.builtin.facing_mirrors import facing_mirrors
+from anamorph.scene.builtin.deforming import deforming
 from anamorph.scene.builtin.flat_mirror import flat_mirror
 from anamorph.scene.builtin.lenses import magnifier, spectacles_minus, spectacles_plus
 from anamorph.scene.builtin.room import room
@@ -46,6 +47,7 @@ SCENES: dict[str, BuiltIn] = {
         BuiltIn("car-windows", "the town in the windows of cars, and both in the door mirror", car_windows),
         BuiltIn("facing-mirrors", "two flat mirrors before each other, not quite parallel: a tunnel", facing_mirrors),
         BuiltIn("torus", "a closed mirror ring on its exact surface, over a chequered floor", torus),
+        BuiltIn("deforming", "a convex mirror over a rolling sea with flags: 300,000 moving triangles", deforming),
     )
 }
 

@@ -22,7 +22,7 @@ from anamorph.gpu.drawing import (
     projection_uniform,
 )
 from anamorph.gpu.halving import Halving, halvings
-from anamorph.gpu.targets import COLOR_FORMAT, MAP_FORMATS, Target, begin_pass, make_target, make_texture
+from anamorph.gpu.targets import COLOR_FORMAT, MAP_FORMATS, begin_pass, make_target, make_texture
 from anamorph.projection import Projection
 
 SPARE = 1.15

@@ -13,7 +13,17 @@ from anamorph.gpu.bindings import SAMPLER, STORAGE, bind, layout_of, texture
 from anamorph.gpu.device import get_device
 from anamorph.gpu.textures import sky_texture, texture_array, texture_sampler
 from anamorph.scene.geometry import Geometry
-from anamorph.scene.model import AmbientLight, Diffuse, DirectionalLight, Glass, Material, Mirror, PointLight, Scene, Texture
+from anamorph.scene.model import (
+    AmbientLight,
+    Diffuse,
+    DirectionalLight,
+    Glass,
+    Material,
+    Mirror,
+    PointLight,
+    Scene,
+    Texture,
+)
 
 VERTEX = np.dtype(
     [("position", "f4", 3), ("normal", "f4", 3), ("texcoord", "f4", 2), ("color", "u2", 4), ("object", "u4")]

@@ -173,7 +173,9 @@ def _mirror_side(scene: Scene, geometry: Geometry, world: World, group: Sequence
         np.concatenate([part.normals for part in parts]),
         np.concatenate([part.faces + start for part, start in zip(parts, starts, strict=False)]),
     )
-    smooth = [np.full(len(part.faces), scene.meshes[i].surface is not None) for i, part in zip(group, parts, strict=True)]
+    smooth = [
+        np.full(len(part.faces), scene.meshes[i].surface is not None) for i, part in zip(group, parts, strict=True)
+    ]
     own = tuple(index + 1 for index in group)
     behind = world.behind(optics.positions, optics.normals, own)
     return Side(tuple(group), optics, _triangles(geometry, group), np.concatenate(smooth), behind)

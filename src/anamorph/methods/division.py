@@ -12,6 +12,7 @@ from anamorph.raymesh import RayMesh, RayStatus
 
 MOST_PATCHES = 32
 
+
 def seen_faces(rays: RayMesh, size: tuple[int, int]) -> np.ndarray:
     """The numbers of the faces that may be seen in a picture of `size`: some vertex faces the eye, none are outside."""
     facing = (rays.status != RayStatus.BACK_FACING)[rays.faces].any(axis=1)

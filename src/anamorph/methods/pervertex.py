@@ -30,12 +30,16 @@ from anamorph.methods.protocol import Method, Session
 from anamorph.methods.session import DrawingSession, Stage
 from anamorph.methods.warp import PlanOptions
 from anamorph.methods.world import world_of
+from anamorph.optics.tessellation import refined_scene
 from anamorph.scene.camera import Camera
 from anamorph.scene.geometry import Geometry
 
 MAXIMUM_BOUNCES = 8
 MAXIMUM_REFINEMENTS = 16
 REFINEMENTS_BEFORE_TRACING = 3
+
+RAY_SHARE = 0.25
+"""The share of the tolerance that a fragment's own ray may take up."""
 
 ERROR_FORMAT = "r32float"
 
@@ -113,7 +117,7 @@ class PerVertexDrawing:
 
     def __init__(self, stage: Stage, options: Options) -> None:
         self._stage, self._options = stage, options
-        world = world_of(stage.geometry)
+        self._world = world = world_of(stage.geometry)
         bodies = bodies_of(stage.view.scene, stage.geometry, world)
         depths = options.bounces if len(bodies) > 1 else 1
         layout = level_layout()
@@ -169,8 +173,12 @@ class PerVertexDrawing:
         return () if self._picture is None else self._picture.replaced
 
     def deformed(self, geometry: Geometry) -> None:
-        """Have the vertex rays meet what has moved."""
-        self._world.caster.moved(geometry.positions)
+        """Have the next maps and rays see the moved scene; without vertex rays nothing is cast, and no tree follows."""
+        caster = self._world.caster
+        if self._options.start == "vertices":
+            caster.moved(geometry.positions)
+        self._world = world_of(geometry, caster)
+        self._pictures.moved(self._world)
 
     def prepare(self, encoder: wgpu.GPUCommandEncoder, camera: Camera, shift: tuple[float, float]) -> None:
         """Steps 1 to 3: plan all maps, and draw them."""
@@ -264,12 +272,15 @@ def open_session(view: View, options: Options) -> Session:
         raise AnamorphError(f"pervertex: bounces is {options.bounces}; give a number from 1 to {MAXIMUM_BOUNCES}")
     if options.start not in ("vertices", "direction"):
         raise AnamorphError(f"pervertex: start is {options.start!r}; give vertices or direction")
+    if options.start == "direction" and options.tolerance > 0.0:
+        raise AnamorphError("pervertex: a tolerance needs the vertex rays; give start=vertices")
     if not 0.0 <= options.tolerance < float("inf"):
         raise AnamorphError(f"pervertex: tolerance is {options.tolerance:g}; give a number of pixels from 0")
     if options.tolerance > 0.0:
         if options.antialias > 1:
             raise AnamorphError("pervertex: tolerance needs antialias=1; give more samples for a smooth picture")
         options = replace(options, refine=max(options.refine, REFINEMENTS_BEFORE_TRACING))
+        view = replace(view, scene=refined_scene(view.scene, view.size, RAY_SHARE * options.tolerance))
     stage = Stage(view)
     return DrawingSession(stage, PerVertexDrawing(stage, options), options.antialias)
 

@@ -110,11 +110,17 @@ class Pictures:
     ) -> None:
         self._world, self._bodies, self._levels, self._options, self._draw = world, bodies, levels, options, draw
 
+    def moved(self, world: World) -> None:
+        """Take over a world whose meshes have moved."""
+        self._world = world
+
     def plan(self, eye: Eye, position: np.ndarray, extra: Extra | None = None) -> Picture | None:
         """Plan all that an eye at `position` sees; `extra` draws into the maps of the first bounce."""
         for level in self._levels:
             level.clear()
-        hiders = [self._world.hiders(position, _points(body, eye)) for body in self._bodies]
+        points = [_points(body, eye) for body in self._bodies]
+        casts = self._options.plan.cast
+        hiders = [self._world.hiders(position, each) if casts else np.zeros(len(each), int) for each in points]
         picture = self._seen_by(eye, 0, self._bodies, hiders, extra)
         for level in self._levels:
             if level.views:

@@ -17,6 +17,7 @@ from anamorph.methods.bounces import WORDS
 
 RECORD_BYTES = 4 * WORDS
 
+
 class Tiles:
     """Tiles of one size, whose paths' ends `PathTracer.trace_tiles` has found."""
 

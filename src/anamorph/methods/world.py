@@ -9,7 +9,6 @@ import numpy as np
 from anamorph.rays import Caster
 from anamorph.scene.geometry import Geometry
 
-
 MOST_LAYERS = 4
 """How many of a body's own surfaces a ray is followed through."""
 
@@ -75,13 +74,13 @@ class World:
         return np.where(passed, np.inf, hits.distance), met
 
 
-def world_of(geometry: Geometry) -> World:
-    """The world of a scene's geometry."""
+def world_of(geometry: Geometry, caster: Caster | None = None) -> World:
+    """The world of a scene's geometry, with a tree of its own or with the `caster` over it."""
     first = geometry.first_vertex
     boxes = [_box(geometry.positions[start:stop]) for start, stop in zip(first[:-1], first[1:], strict=True)]
     corners = _box(geometry.positions)
     diagonal = float(np.linalg.norm(np.ptp(corners, axis=0)))
-    return World(Caster(geometry), geometry.face_object, corners, np.stack(boxes), diagonal)
+    return World(caster or Caster(geometry), geometry.face_object, corners, np.stack(boxes), diagonal)
 
 
 def _box(positions: np.ndarray) -> np.ndarray:

@@ -12,8 +12,8 @@ from anamorph.errors import AnamorphError
 from anamorph.scene.builtin.car_mirror import car_mirror
 from anamorph.scene.builtin.car_windows import car_windows
 from anamorph.scene.builtin.curvature_series import curvature_series
-from anamorph.scene.builtin.facing_mirrors import facing_mirrors
 from anamorph.scene.builtin.deforming import deforming
+from anamorph.scene.builtin.facing_mirrors import facing_mirrors
 from anamorph.scene.builtin.flat_mirror import flat_mirror
 from anamorph.scene.builtin.lenses import magnifier, spectacles_minus, spectacles_plus
 from anamorph.scene.builtin.room import room

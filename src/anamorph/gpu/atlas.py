@@ -71,7 +71,7 @@ class MapView:
 
 
 def arrange(sizes: Sequence[tuple[int, int]], widest: int) -> tuple[list[tuple[int, int]], tuple[int, int]]:
-    """Corners of rectangles of `sizes` that do not overlap, on shelves no wider than `widest`; and the room they take."""
+    """Corners of rectangles of `sizes` on shelves no wider than `widest`, and the room that they all take."""
     area = sum(width * height for width, height in sizes)
     longest = max(width for width, _ in sizes)
     limit = min(max(longest, int(1.1 * np.sqrt(area))), widest)

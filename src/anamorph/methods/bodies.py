@@ -173,12 +173,11 @@ def _mirror_side(scene: Scene, geometry: Geometry, world: World, group: Sequence
         np.concatenate([part.normals for part in parts]),
         np.concatenate([part.faces + start for part, start in zip(parts, starts, strict=False)]),
     )
-    smooth = [
-        np.full(len(part.faces), scene.meshes[i].surface is not None) for i, part in zip(group, parts, strict=True)
-    ]
+    exact = [scene.meshes[index].surface is not None for index in group]
+    smooth = np.repeat(exact, [len(part.faces) for part in parts])
     own = tuple(index + 1 for index in group)
     behind = world.behind(optics.positions, optics.normals, own)
-    return Side(tuple(group), optics, _triangles(geometry, group), np.concatenate(smooth), behind)
+    return Side(tuple(group), optics, _triangles(geometry, group), smooth, behind)
 
 
 def _lens_side(scene: Scene, geometry: Geometry, near: int, far: int, edge: int) -> Side:

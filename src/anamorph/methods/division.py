@@ -1,7 +1,7 @@
 """Dividing a ray mesh into patches, each of which one map can show.
 
-Source: Kakimoto et al. 2007, section 4.1, which asks for it (Figure 6) and leaves it open. Patches share the vertices of
-their borders, and what a vertex shows depends on its own ray alone: so the picture is continuous there.
+Source: Kakimoto et al. 2007, section 4.1, which asks for it (Figure 6) and leaves it open. Patches share the vertices
+of their borders, and what a vertex shows depends on its own ray alone: so the picture is continuous there.
 """
 
 from __future__ import annotations

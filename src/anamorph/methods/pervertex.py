@@ -145,7 +145,7 @@ class PerVertexDrawing:
             "gpu/vertices.wgsl", "gpu/map.wgsl",
             *(f"methods/{name}.wgsl" for name in ("warp", "pervertex", "lens", "doubt")),
         )  # fmt: skip
-        constants = {"REFINEMENTS": options.refine, "MIPMAPS": int(options.mipmaps)}
+        constants: dict[str, float] = {"REFINEMENTS": options.refine, "MIPMAPS": int(options.mipmaps)}
 
         @cache
         def pipelines(output: str) -> Pipelines:

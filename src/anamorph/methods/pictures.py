@@ -1,7 +1,7 @@
 """A frame's maps: the bodies as an eye sees them, patch by patch, and as their maps see each other.
 
-Source: Kakimoto et al. 2007, sections 4.1 and 4.4. Deviation: what is seen in a map is seen from the map's viewpoint, not
-along the rays that lead there.
+Source: Kakimoto et al. 2007, sections 4.1 and 4.4. Deviation: what is seen in a map is seen from the map's viewpoint,
+not along the rays that lead there.
 """
 
 from __future__ import annotations
@@ -178,8 +178,8 @@ class Pictures:
                 if other is not body and visible[list(other.meshes)].any() and _extent(other, eye) >= LEAST_SEEN
             ]
             inner = self._seen_by(eye, depth + 1, others, [np.zeros(len(_points(other, eye)), int) for other in others])
-        extras = [partial(self._draw, inner)] if inner is not None else []
-        extras += [extra] if extra is not None else []
+        extras: list[Extra] = [] if inner is None else [partial(self._draw, inner)]
+        extras += [] if extra is None else [extra]
         return MapView(
             projection,
             size,

@@ -309,7 +309,7 @@ def _near_normal(weights: np.ndarray, normals: np.ndarray, directions: np.ndarra
 def _near_plane(
     normal: np.ndarray, origins: np.ndarray, behind: np.ndarray, viewpoint: np.ndarray, frame: MapFrame
 ) -> np.ndarray:
-    """The plane along the mirror, (4,), that hides what stands behind it, and as little as can be of what stands before.
+    """The plane along the mirror, (4,), that hides what stands behind it, and little of what stands before it.
 
     At most it lies just before the foremost vertex. `behind` says how far behind each vertex something stands.
     """

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 
@@ -62,7 +63,7 @@ class World:
     def cast_past(
         self, origins: np.ndarray, directions: np.ndarray, near: np.ndarray, own: tuple[int, ...]
     ) -> tuple[np.ndarray, np.ndarray]:
-        """How far rays go that pass through the objects `own`, (N,), infinite for the sky; and whether they met them."""
+        """How far rays go that pass through the objects `own`, (N,), and whether they met them."""
         start, met = near, np.zeros(len(origins), bool)
         for _ in range(MOST_LAYERS):
             hits = self.caster.cast(origins, directions, start)
@@ -77,7 +78,7 @@ class World:
 def world_of(geometry: Geometry, caster: Caster | None = None) -> World:
     """The world of a scene's geometry, with a tree of its own or with the `caster` over it."""
     first = geometry.first_vertex
-    boxes = [_box(geometry.positions[start:stop]) for start, stop in zip(first[:-1], first[1:], strict=True)]
+    boxes = [_box(geometry.positions[start:stop]) for start, stop in pairwise(first)]
     corners = _box(geometry.positions)
     diagonal = float(np.linalg.norm(np.ptp(corners, axis=0)))
     return World(caster or Caster(geometry), geometry.face_object, corners, np.stack(boxes), diagonal)

@@ -24,10 +24,7 @@ SMOOTH, THREE_COLORS = 1, 4
 """Flags of a triangle, as the shaders read them."""
 
 MOST_VIEWS = 6
-SIDES = MOST_VIEWS * UNIFORM_BYTES // 4
-"""The word of `PatchMaps` that says how many views count."""
-
-STRIDE = -(-(4 * SIDES + 16) // 256) * 256
+STRIDE = -(-MOST_VIEWS * UNIFORM_BYTES // 256) * 256
 """Bytes from one patch's maps to the next: uniforms begin at multiples of 256."""
 
 
@@ -40,12 +37,15 @@ class PatchDraw:
     number, first, count : int
     bends : bool
         Whether it is a lens.
+    sides : int
+        How many maps show it: two where its rays converge.
     """
 
     number: int
     first: int
     count: int
     bends: bool
+    sides: int
 
 
 def level_layout() -> wgpu.GPUBindGroupLayout:
@@ -92,7 +92,7 @@ class Level:
         flags = np.where(sight.side.smooth[faces], SMOOTH, 0) | (THREE_COLORS if len(plan.lookups) > 1 else 0)
         first = self._data_count + data.shape[1] * np.arange(len(faces))
         triangles = np.stack([sight.side.triangles[faces], flags, first, np.zeros_like(first)], axis=1)
-        draw = PatchDraw(len(self._patches), self._triangle_count, len(faces), sight.bends)
+        draw = PatchDraw(len(self._patches), self._triangle_count, len(faces), sight.bends, len(views))
         self._patches.append(views)
         self._triangles.append(triangles.astype(np.uint32))
         self._data.append(data.astype(np.float32).reshape(-1, 4))
@@ -126,12 +126,11 @@ class Level:
         for row, views in zip(maps, self._patches, strict=True):
             words = np.concatenate([self.atlas.projections[view] for view in views])
             row[: len(words)] = words
-        maps.view(np.int32)[:, SIDES] = [len(views) for views in self._patches]
         return maps
 
     def _bind(self) -> None:
         resources = [
-            {"buffer": self._maps, "offset": 0, "size": 4 * SIDES + 16},
+            {"buffer": self._maps, "offset": 0, "size": MOST_VIEWS * UNIFORM_BYTES},
             self.atlas.color.create_view(),
             map_sampler(),
             self.atlas.depth.create_view(),

@@ -92,14 +92,6 @@ class Options:
     overlay: bool = False
 
 
-@dataclass(frozen=True)
-class Pipelines:
-    """What draws mirrors and lenses into one kind of target."""
-
-    reflector: wgpu.GPURenderPipeline
-    refractor: wgpu.GPURenderPipeline
-
-
 OUTPUTS: dict[str, tuple[str, ...]] = {
     "color": (COLOR_FORMAT,),
     "color_and_depth": (COLOR_FORMAT, *MAP_FORMATS),
@@ -148,24 +140,22 @@ class PerVertexDrawing:
         constants: dict[str, float] = {"REFINEMENTS": options.refine, "MIPMAPS": int(options.mipmaps)}
 
         @cache
-        def pipelines(output: str) -> Pipelines:
-            def pipeline(kind: str) -> wgpu.GPURenderPipeline:
-                return make_pipeline(
-                    module,
-                    f"{kind}_vertex",
-                    f"{kind}_{output}",
-                    OUTPUTS[output],
-                    buffers=(),
-                    groups=(layout,),
-                    samples=options.antialias if output == "color" else 1,
-                    cull="back",
-                    depth_compare="equal" if output == "error" else "greater",
-                    constants=constants,
-                )
+        def pipeline(bends: bool, sides: int, output: str) -> wgpu.GPURenderPipeline:
+            kind = "refractor" if bends else "reflector"
+            return make_pipeline(
+                module,
+                f"{kind}_vertex",
+                f"{kind}_{output}",
+                OUTPUTS[output],
+                buffers=(),
+                groups=(layout,),
+                samples=options.antialias if output == "color" else 1,
+                cull="back",
+                depth_compare="equal" if output == "error" else "greater",
+                constants={**constants, "SIDES": sides},
+            )
 
-            return Pipelines(pipeline("reflector"), pipeline("refractor"))
-
-        self._pipelines = pipelines
+        self._pipeline = pipeline
 
     @property
     def replaced(self) -> tuple[int, ...]:
@@ -229,14 +219,14 @@ class PerVertexDrawing:
     def _draw(self, picture: Picture | None, output: str, render_pass: wgpu.GPURenderPassEncoder) -> None:
         if picture is None:
             return
-        pipelines = self._pipelines(output)
-        for bends, pipeline in ((False, pipelines.reflector), (True, pipelines.refractor)):
-            draws = [draw for draw in picture.draws if draw.bends == bends]
-            if draws:
+        drawn = None
+        for draw in sorted(picture.draws, key=lambda draw: (draw.bends, draw.sides)):
+            pipeline = self._pipeline(draw.bends, draw.sides, output)
+            if pipeline is not drawn:
                 render_pass.set_pipeline(pipeline)
-            for draw in draws:
-                picture.level.select(render_pass, draw.number)
-                render_pass.draw(3 * draw.count, 1, 3 * draw.first)
+                drawn = pipeline
+            picture.level.select(render_pass, draw.number)
+            render_pass.draw(3 * draw.count, 1, 3 * draw.first)
 
     def _draw_in_map(self, picture: Picture, kind: MapKind, render_pass: wgpu.GPURenderPassEncoder) -> None:
         self._draw(picture, IN_MAPS[kind], render_pass)

@@ -8,6 +8,8 @@
 override REFINEMENTS: i32 = 0;
 // 1 where maps have mipmaps.
 override MIPMAPS: i32 = 0;
+// How many maps show a patch; two where its rays converge. A constant, because software runs what a branch leaves out.
+override SIDES: i32 = 1;
 // 1 where each patch has six maps around its viewpoint, and lookups are directions from there.
 override CUBE: i32 = 0;
 
@@ -28,7 +30,6 @@ struct WarpedTriangle {
 // The maps of one patch: of converging rays first what lies beyond their crossing, then what lies before it.
 struct PatchMaps {
     views: array<Projection, 6>,
-    sides: i32,
 }
 
 @group(2) @binding(0) var<uniform> maps: PatchMaps;
@@ -133,7 +134,7 @@ fn hides(before: Lookup, beyond: Lookup) -> bool {
 
 fn find(start: Place, ray: Ray) -> Lookup {
     var best = refine(start, 0, ray);
-    for (var side = 1; side < maps.sides; side++) {
+    for (var side = 1; side < SIDES; side++) {
         let before = refine(start, side, ray);
         if hides(before, best) {
             best = before;
@@ -163,12 +164,12 @@ fn sampled(at: Place, side: i32, dx: vec2f, dy: vec2f) -> vec4f {
 
 // The colour that a ray finds.
 fn found_color(start: Place, ray: Ray, dx: vec2f, dy: vec2f) -> vec3f {
-    if REFINEMENTS == 0 && maps.sides == 1 {
+    if REFINEMENTS == 0 && SIDES == 1 {
         return sampled(start, 0, dx, dy).rgb;
     }
     let beyond = refine(start, 0, ray);
     var color = sampled(beyond.at, 0, dx, dy).rgb;
-    for (var side = 1; side < maps.sides; side++) {
+    for (var side = 1; side < SIDES; side++) {
         let before = refine(start, side, ray);
         if hides(before, beyond) {
             let nearer = sampled(before.at, side, dx, dy);

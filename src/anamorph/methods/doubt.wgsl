@@ -1,26 +1,31 @@
 // What a fragment knows of its error, in pixels of the picture. Follows warp.wgsl, pervertex.wgsl and lens.wgsl.
 
-// The ray's points at which map and ray are compared for what stands between.
-const PROBES = 10;
-// In distances from the eye to the surface: nearer nothing is expected, farther map and ray see the same.
+// In distances from the eye to the surface: nearer nothing is expected.
 const NEAREST_PROBE = 0.02;
-const FARTHEST_PROBE = 100.0;
+const MOST_PROBES = 24.0;
 const UNKNOWN = 1e6;
 
 // Whether the ray passes behind something as the map sees it, before it reaches what was found: what the map cannot
-// tell then is whether it passes behind or through.
+// tell then is whether it passes behind or through. In the map the way there is a short straight line.
 fn hidden_on_the_way(ray: Ray, found: Lookup) -> bool {
-    let start = NEAREST_PROBE * length(ray.origin - projection.eye.xyz);
-    let farthest = start * FARTHEST_PROBE / NEAREST_PROBE;
-    let end = select(min(length(found.point.xyz - ray.origin), farthest), farthest, found.point.w == 0.0);
-    let ratio = pow(max(end / start, 1.0), 1.0 / f32(PROBES));
-    var along = start / ratio;
+    let view = select(0, found.at.view, CUBE == 1 || SIDES > 1);
+    let sky = found.point.w == 0.0;
+    let first = NEAREST_PROBE * length(ray.origin - projection.eye.xyz);
+    let last = select(max(length(found.point.xyz - ray.origin), first), 0.0, sky);
+    var from_clip = maps.views[view].clip * vec4f(ray.origin + first * ray.direction, 1.0);
+    let to_clip = maps.views[view].clip * vec4f(last * ray.direction + select(ray.origin, ray.direction, sky), select(1.0, 0.0, sky));
+    if SIDES > 1 && from_clip.w < NEAREST_PROBE * to_clip.w {
+        // Only from beyond the crossing of the rays.
+        let share = (NEAREST_PROBE * to_clip.w - from_clip.w) / (to_clip.w - from_clip.w);
+        from_clip = mix(from_clip, to_clip, clamp(share, 0.0, 1.0));
+    }
+    let line = (to_clip.xy / to_clip.w - from_clip.xy / from_clip.w) * 0.5 * maps.views[view].size.xy;
+    let probes = clamp(ceil(length(line)), 1.0, MOST_PROBES);
     var hidden = false;
-    for (var probe = 0; probe < PROBES; probe++) {
-        along *= ratio;
-        let point = vec4f(ray.origin + along * ray.direction, 1.0);
-        let view = select(0, cube_face(point.xyz - maps.views[0].eye.xyz), CUBE == 1);
-        let clip = maps.views[view].clip * point;
+    for (var probe = 0.5; probe < probes; probe += 1.0) {
+        // Equal steps in the map are not equal steps along the ray.
+        let part = probe / probes * from_clip.w;
+        let clip = mix(from_clip, to_clip, part / (part + (1.0 - probe / probes) * to_clip.w));
         let place = clip.xy / clip.w * vec2f(0.5, -0.5) + 0.5;
         let depth = textureLoad(map_depth, map_texel(maps.views[view], place), 0);
         let inside = clip.w > 0.0 && clip.z < clip.w && all(place >= vec2f(0.0)) && all(place <= vec2f(1.0));

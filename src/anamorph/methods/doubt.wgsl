@@ -7,7 +7,18 @@ const NEAREST_PROBE = 0.02;
 const FARTHEST_PROBE = 100.0;
 const UNKNOWN = 1e6;
 
-// Whether the ray passes behind something as the map sees it, before it reaches what was found: what the map cannot
+// Whether a side's map sees something before a point.
+fn hidden_in_map(point: vec4f, side: i32) -> bool {
+    let view = select(side, cube_face(point.xyz - maps.views[0].eye.xyz), CUBE == 1);
+    let clip = maps.views[view].clip * point;
+    let place = clip.xy / clip.w * vec2f(0.5, -0.5) + 0.5;
+    let depth = textureLoad(map_depth, map_texel(maps.views[view], place), 0);
+    let inside = clip.w > 0.0 && clip.z < clip.w && all(place >= vec2f(0.0)) && all(place <= vec2f(1.0));
+    // Depth is reversed: the map sees something nearer than the ray where its depth is greater. The sky is nowhere nearer.
+    return inside && depth.w > 0.0 && depth.x > clip.z / clip.w * 1.001 + 2.0 * (abs(depth.y) + abs(depth.z));
+}
+
+// Whether the ray passes behind something as the maps see it, before it reaches what was found: what the map cannot
 // tell then is whether it passes behind or through.
 fn hidden_on_the_way(ray: Ray, found: Lookup) -> bool {
     let start = NEAREST_PROBE * length(ray.origin - projection.eye.xyz);
@@ -19,13 +30,9 @@ fn hidden_on_the_way(ray: Ray, found: Lookup) -> bool {
     for (var probe = 0; probe < PROBES; probe++) {
         along *= ratio;
         let point = vec4f(ray.origin + along * ray.direction, 1.0);
-        let view = select(0, cube_face(point.xyz - maps.views[0].eye.xyz), CUBE == 1);
-        let clip = maps.views[view].clip * point;
-        let place = clip.xy / clip.w * vec2f(0.5, -0.5) + 0.5;
-        let depth = textureLoad(map_depth, map_texel(maps.views[view], place), 0);
-        let inside = clip.w > 0.0 && clip.z < clip.w && all(place >= vec2f(0.0)) && all(place <= vec2f(1.0));
-        // Depth is reversed: the map sees something nearer than the ray where its depth is greater.
-        hidden = hidden || (inside && depth.x > clip.z / clip.w * 1.001 + 2.0 * (abs(depth.y) + abs(depth.z)));
+        for (var side = 0; side < maps.sides; side++) {
+            hidden = hidden || hidden_in_map(point, side);
+        }
     }
     return hidden;
 }

@@ -15,6 +15,7 @@ import numpy as np
 from anamorph.frame import View
 from anamorph.measure.angles import angles_between, normalized, picture_distances
 from anamorph.measure.errors import Statistics, statistics
+from anamorph.methods.inconsistency import map_lines, shown_distances
 from anamorph.methods.pervertex import Options, PerVertexDrawing
 from anamorph.methods.pictures import Picture, Seen
 from anamorph.methods.session import Stage
@@ -162,9 +163,8 @@ def _measured(border: _Border, world: World, size: tuple[int, int], along: np.nd
     homogeneous, origins = between(rays.picture[ends]), between(rays.origins[ends])
     places = homogeneous[:, :2] / homogeneous[:, 2:]
     inside = ((places >= 0.0) & (places <= size)).all(axis=1)
-    own = tuple(mesh + 1 for mesh in border.seen.body.meshes)
     found = [
-        _found(plan, between(_lookups(plan, pair[:, number])), origins, world, own)
+        _found(plan, between(_lookups(plan, pair[:, number])), origins, world, border.seen.body.meshes)
         for number, plan in enumerate(border.plans)
     ]
     (toward, _), (other, distances) = found
@@ -176,17 +176,11 @@ def _measured(border: _Border, world: World, size: tuple[int, int], along: np.nd
 
 
 def _found(
-    plan: MapPlan, lookups: np.ndarray, origins: np.ndarray, world: World, own: tuple[int, ...]
+    plan: MapPlan, lookups: np.ndarray, origins: np.ndarray, world: World, meshes: tuple[int, ...]
 ) -> tuple[np.ndarray, np.ndarray]:
     """Unit directions from `origins` to what a map shows at `lookups` (N, 4), and how far that is; sky is infinite."""
-    x, y = (2.0 * lookups[:, :2] / lookups[:, 2:3] - 1.0).T * [[1.0], [-1.0]]
-    # Of converging rays the last projection is the one before their crossing, where the line enters the map.
-    projection = plan.projections[-1]
-    ones = np.ones_like(x)
-    near = np.stack([x, y, ones, ones], axis=1) @ np.linalg.inv(projection.clip).T
-    starts = near[:, :3] / near[:, 3:]
-    lines = normalized(projection.base + x[:, None] * projection.right + y[:, None] * projection.up)
-    distances, _ = world.cast_past(starts, lines, np.zeros(len(x)), own)
+    starts, lines = map_lines(plan, lookups)
+    distances = shown_distances(starts, lines, meshes, world)
     hits = starts + np.where(np.isfinite(distances), distances, 0.0)[:, None] * lines
     sky = ~np.isfinite(distances)
     toward = normalized(np.where(sky[:, None], lines, hits - origins))

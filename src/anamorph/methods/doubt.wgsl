@@ -63,8 +63,7 @@ fn error_in_pixels(ray: Ray, right_of: Ray, below: Ray, found: Lookup, valid: bo
     return select(UNKNOWN, length(step), known);
 }
 
-@fragment
-fn reflector_error(fragment: ReflectorFragment) -> @location(0) f32 {
+fn reflector_doubt(fragment: ReflectorFragment) -> f32 {
     let ray = reflection(fragment).ray;
     let right = Ray(dpdx(ray.origin), dpdx(ray.direction));
     let below = Ray(dpdy(ray.origin), dpdy(ray.direction));
@@ -72,11 +71,43 @@ fn reflector_error(fragment: ReflectorFragment) -> @location(0) f32 {
     return error_in_pixels(ray, right, below, find(start, ray), inside_map(start, fragment.lookup.w));
 }
 
-@fragment
-fn refractor_error(fragment: RefractorFragment) -> @location(0) f32 {
+fn refractor_doubt(fragment: RefractorFragment) -> f32 {
     let ray = refraction(fragment.origin_green, fragment.direction_green);
     let right = Ray(dpdx(ray.origin), dpdx(ray.direction));
     let below = Ray(dpdy(ray.origin), dpdy(ray.direction));
     let start = start_of(fragment.lookup_green);
     return error_in_pixels(ray, right, below, find(start, ray), way_of(fragment, start) == LEAVES);
+}
+
+@fragment
+fn reflector_error(fragment: ReflectorFragment) -> @location(0) f32 {
+    return reflector_doubt(fragment);
+}
+
+@fragment
+fn refractor_error(fragment: RefractorFragment) -> @location(0) f32 {
+    return refractor_doubt(fragment);
+}
+
+// The overlay of what doubts itself: from yellow at one pixel to red at HIGHEST, and violet where it cannot say.
+const HIGHEST = 100.0;
+const LEAST_COLOR = vec3f(1.0, 0.8, 0.0);
+const MOST_COLOR = vec3f(0.8, 0.0, 0.0);
+const UNKNOWN_COLOR = vec3f(0.35, 0.0, 0.8);
+const TINTED = 0.75;
+
+fn tinted(color: vec4f, error: f32) -> vec4f {
+    let scale = mix(LEAST_COLOR, MOST_COLOR, clamp(log(max(error, 1.0)) / log(HIGHEST), 0.0, 1.0));
+    let tint = select(scale, UNKNOWN_COLOR, error >= UNKNOWN);
+    return vec4f(mix(color.rgb, tint, select(0.0, TINTED, error > 1.0)), color.a);
+}
+
+@fragment
+fn reflector_inconsistency(fragment: ReflectorFragment) -> @location(0) vec4f {
+    return tinted(reflected_color(fragment), reflector_doubt(fragment));
+}
+
+@fragment
+fn refractor_inconsistency(fragment: RefractorFragment) -> @location(0) vec4f {
+    return tinted(refracted_color(fragment), refractor_doubt(fragment));
 }

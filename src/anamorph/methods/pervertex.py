@@ -253,6 +253,10 @@ class PerVertexDrawing:
         if kind == MapKind.COLOR and self._marks is not None:
             self._marks.draw_in_map(self._picture, render_pass)
 
+    def figures(self) -> dict[str, float]:
+        """How many maps the last frame took, their texels, and the share of these that is looked up."""
+        return self._pictures.figures()
+
     def rays(self) -> None:
         """There is no ray for a pixel between vertices."""
         return None

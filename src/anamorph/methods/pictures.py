@@ -112,6 +112,7 @@ class Pictures:
         draw: Callable[[Picture, MapKind, wgpu.GPURenderPassEncoder], None],
     ) -> None:
         self._world, self._bodies, self._levels, self._options, self._draw = world, bodies, levels, options, draw
+        self._used_texels = 0.0
 
     def moved(self, world: World) -> None:
         """Take over a world whose meshes have moved."""
@@ -119,6 +120,7 @@ class Pictures:
 
     def plan(self, eye: Eye, position: np.ndarray, extra: Extra | None = None) -> Picture | None:
         """Plan all that an eye at `position` sees; `extra` draws into the maps of the first bounce."""
+        self._used_texels = 0.0
         for level in self._levels:
             level.clear()
         points = [_points(body, eye) for body in self._bodies]
@@ -129,6 +131,13 @@ class Pictures:
             if level.views:
                 level.place()
         return picture
+
+    def figures(self) -> dict[str, float]:
+        """How many maps the last plan has, of all depths, their texels, and the share of these that is looked up."""
+        views = [view for level in self._levels for view in level.views]
+        texels = sum(view.size[0] * view.size[1] for view in views)
+        used = {"maps_used_percent": 100.0 * self._used_texels / texels} if texels else {}
+        return {"maps": float(len(views)), "map_texels": float(texels), **used}
 
     def draw_maps(self, encoder: wgpu.GPUCommandEncoder, buffers: SceneBuffers, kinds: Sequence[MapKind]) -> None:
         """Draw all maps, those of the last bounce first."""
@@ -153,6 +162,7 @@ class Pictures:
                 views = [self._view(body, plan, number, size, depth, extra) for number in range(len(plan.projections))]
                 first = len(level.views)
                 level.views.extend(views)
+                self._used_texels += min(plan.used, 1.0) * len(views) * size[0] * size[1]
                 draws.append(level.add(sight, faces, plan, range(first, first + len(views))))
                 hits[plan.vertices], distances[plan.vertices] = plan.hits, plan.distances
                 plans.append(plan)

@@ -2,7 +2,8 @@
 
 Source: Kakimoto et al. 2007, section 4.1, which divides a surface that spreads its rays too wide. Patches share the
 vertices of their borders, and look up there what each vertex ray hits: so they agree at vertices, but for what hides a
-hit from one of two viewpoints. Between vertices each looks into its own map.
+hit from one of two viewpoints, and what stands before the near plane of one. Between vertices each looks into its own
+map.
 """
 
 from __future__ import annotations

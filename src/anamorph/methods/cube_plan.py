@@ -154,7 +154,7 @@ def _met(directions: np.ndarray, corners: np.ndarray) -> np.ndarray:
     """
     met = np.zeros((6, len(directions)), bool)
     for face in range(6):
-        ahead = (1.0 + OVERLAP + MARGIN) * FORWARD[face, face // 2] * directions[:, face // 2]
+        ahead = (1.0 + OVERLAP + 0.5 * MARGIN) * FORWARD[face, face // 2] * directions[:, face // 2]
         side, other = np.delete(directions, face // 2, axis=1).T
         inner = np.zeros(len(directions), np.uint8)
         for bit, way in enumerate((side, -side, other, -other)):

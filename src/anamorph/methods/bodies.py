@@ -38,6 +38,8 @@ class Side:
         How far behind each vertex something else of the scene stands; infinite for nothing, 0 where the body has a frame.
     covered : (V,) float64
         How high a rim that lies on it rises over each vertex; 0 for none.
+    closed : bool
+        Whether the surface is closed, so that no map sees anything behind it.
     edge : int
         The object number of a lens's edge; 0 for none.
     """
@@ -48,6 +50,7 @@ class Side:
     smooth: np.ndarray
     behind: np.ndarray
     covered: np.ndarray
+    closed: bool
     edge: int = 0
 
 
@@ -201,19 +204,19 @@ def _mirror_side(scene: Scene, geometry: Geometry, world: World, group: Sequence
     exact = [scene.meshes[index].surface is not None for index in group]
     smooth = np.repeat(exact, [len(part.faces) for part in parts])
     own = tuple(index + 1 for index in group)
-    behind = world.behind(optics.positions, optics.normals, own)
+    behind, closed = world.behind(optics.positions, optics.normals, own)
     border = border_vertices(optics)
     if world.bordered(optics.positions, border, optics.normals[border], own):
         behind = np.zeros_like(behind)
     covered = world.covered(optics.positions, optics.normals)
-    return Side(tuple(group), optics, _triangles(geometry, group), smooth, behind, covered)
+    return Side(tuple(group), optics, _triangles(geometry, group), smooth, behind, covered, closed)
 
 
 def _lens_side(scene: Scene, geometry: Geometry, near: int, far: int, edge: int) -> Side:
     optics = refractor(scene.meshes[near], scene.meshes[far])
     smooth, behind = np.ones(len(optics.faces), bool), np.zeros(len(optics.positions))
     covered = np.zeros(len(optics.positions))
-    return Side((near,), optics, _triangles(geometry, (near,)), smooth, behind, covered, edge)
+    return Side((near,), optics, _triangles(geometry, (near,)), smooth, behind, covered, False, edge)
 
 
 def _triangles(geometry: Geometry, meshes: Sequence[int]) -> np.ndarray:

@@ -155,7 +155,12 @@ def plan_map(sight: Sight, faces: np.ndarray, hider: np.ndarray, world: World, o
         # What lies on the mirror stands for what is found to hide its vertices.
         covered = sight.side.covered[vertices]
         top = (rays.origins @ normal + covered)[covered > 0.0].max(initial=-np.inf)
-    near_plane = _near_plane(normal, rays.origins[facing], sight.side.behind[vertices][facing], viewpoint, frame)
+    if sight.side.closed and frame.convergence > 0.0:
+        # Nothing can be behind the surface of a closed body: the map sees all from its viewpoint on.
+        normal = frame.axes[2]
+        near_plane = np.append(normal, -(viewpoint[:3] @ normal) / viewpoint[3] - 1e2 * CLEARANCE * size_of(rays.origins))
+    else:
+        near_plane = _near_plane(normal, rays.origins[facing], sight.side.behind[vertices][facing], viewpoint, frame)
     if np.isfinite(top):
         foremost = (rays.origins[facing] @ normal).max()
         clearance = CLEARANCE * size_of(rays.origins[facing])

@@ -14,6 +14,12 @@ MOST_LAYERS = 4
 """How many of a body's own surfaces a ray is followed through."""
 
 
+CLOSED = 0.9
+"""The share of a closed surface behind which its own other side is."""
+
+MOSTLY = 0.4
+"""The share of a border beside which something stands where there is a frame."""
+
 LYING = 0.05
 """How far from a surface, in its sizes, what lies on it may begin."""
 
@@ -58,20 +64,22 @@ class World:
         hidden = (sight.triangle >= 0) & (sight.distance < 1.0 - 1e-4)
         return np.where(hidden, self.face_object[sight.triangle], 0)
 
-    def behind(self, points: np.ndarray, outward: np.ndarray, own: tuple[int, ...]) -> np.ndarray:
+    def behind(self, points: np.ndarray, outward: np.ndarray, own: tuple[int, ...]) -> tuple[np.ndarray, bool]:
         """How far behind a surface, at `points` (N, 3) with normals `outward`, something else stands, (N,).
 
-        `own` are the numbers of its own objects; infinite where one of them comes first, or nothing.
+        `own` are the numbers of its own objects; infinite where one of them comes first, or nothing. Also whether one of
+        them comes first almost everywhere, because the surface is closed.
         """
         reach = float(np.linalg.norm(np.ptp(points, axis=0)))
         hits = self.caster.cast(points, -outward, 1e-4 * reach)
         foreign = (hits.triangle >= 0) & ~np.isin(self.face_object[hits.triangle], own)
-        return np.where(foreign, hits.distance, np.inf)
+        closed = ((hits.triangle >= 0) & ~foreign).mean() > CLOSED
+        return np.where(foreign & (not closed), hits.distance, np.inf), bool(closed)
 
     def bordered(
         self, points: np.ndarray, border: np.ndarray, outward: np.ndarray, own: tuple[int, ...]
     ) -> bool:
-        """Whether something else stands close beside the border of a surface, as a frame does.
+        """Whether something else stands close beside most of the border of a surface, as a frame does.
 
         The surface has `points` (N, 3), its border the numbers `border` (B,) of them with normals `outward` (B, 3).
         """
@@ -81,14 +89,10 @@ class World:
         away = points[border] - points.mean(axis=0)
         away -= np.einsum("ni,ni->n", away, outward)[:, None] * outward
         away /= np.maximum(np.linalg.norm(away, axis=1, keepdims=True), 1e-12)
-        for lift in (1e-3, 1e-2):
-            # Downward as well: a frame may be flush.
-            ways = away - 0.3 * outward
-            hits = self.caster.cast(points[border] + lift * reach * outward, ways)
-            beside = (hits.triangle >= 0) & (hits.distance < BESIDE * reach)
-            if (beside & ~np.isin(self.face_object[hits.triangle], own)).any():
-                return True
-        return False
+        # A little downward: a frame may be flush.
+        hits = self.caster.cast(points[border] + 1e-3 * reach * outward, away - 0.3 * outward)
+        foreign = (hits.triangle >= 0) & ~np.isin(self.face_object[hits.triangle], own)
+        return bool((foreign & (hits.distance < BESIDE * reach)).mean() > MOSTLY)
 
     def covered(self, points: np.ndarray, outward: np.ndarray) -> np.ndarray:
         """How high what lies on a surface, at `points` (N, 3) with normals `outward`, rises near each, (N,).

@@ -24,6 +24,9 @@ SMOOTH, THREE_COLORS = 1, 4
 """Flags of a triangle, as the shaders read them."""
 
 MOST_VIEWS = 6
+CLIP_WORDS = 32
+"""Of a `Projection`, those of its two matrices, which come first."""
+
 STRIDE = -(-MOST_VIEWS * UNIFORM_BYTES // 256) * 256
 """Bytes from one patch's maps to the next: uniforms begin at multiples of 256."""
 
@@ -39,6 +42,8 @@ class PatchDraw:
         Whether it is a lens.
     sides : int
         How many maps show it: two where its rays converge.
+    cube : bool
+        Whether a cube map shows it.
     """
 
     number: int
@@ -46,6 +51,7 @@ class PatchDraw:
     count: int
     bends: bool
     sides: int
+    cube: bool
 
 
 def level_layout() -> wgpu.GPUBindGroupLayout:
@@ -67,7 +73,7 @@ class Level:
         self.atlas = Atlas(antialias, mipmaps, ends)
         self.views: list[MapView] = []
         self._scene, self._layout = scene, layout
-        self._patches: list[range] = []
+        self._patches: list[tuple[range, tuple[int, ...]]] = []
         self._triangles: list[np.ndarray] = []
         self._data: list[np.ndarray] = []
         self._maps: wgpu.GPUBuffer | None = None
@@ -92,8 +98,10 @@ class Level:
         flags = np.where(sight.side.smooth[faces], SMOOTH, 0) | (THREE_COLORS if len(plan.lookups) > 1 else 0)
         first = self._data_count + data.shape[1] * np.arange(len(faces))
         triangles = np.stack([sight.side.triangles[faces], flags, first, np.zeros_like(first)], axis=1)
-        draw = PatchDraw(len(self._patches), self._triangle_count, len(faces), sight.bends, len(views))
-        self._patches.append(views)
+        cube = bool(plan.cube)
+        sides = 1 if cube else len(views)
+        draw = PatchDraw(len(self._patches), self._triangle_count, len(faces), sight.bends, sides, cube)
+        self._patches.append((views, plan.cube))
         self._triangles.append(triangles.astype(np.uint32))
         self._data.append(data.astype(np.float32).reshape(-1, 4))
         self._triangle_count += len(faces)
@@ -123,9 +131,14 @@ class Level:
     def _patch_maps(self) -> np.ndarray:
         """The `PatchMaps` structures, (patches, STRIDE / 4) float32."""
         maps = np.zeros((len(self._patches), STRIDE // 4), np.float32)
-        for row, views in zip(maps, self._patches, strict=True):
-            words = np.concatenate([self.atlas.projections[view] for view in views])
-            row[: len(words)] = words
+        for row, (views, faces) in zip(maps, self._patches, strict=True):
+            slots = row[: MOST_VIEWS * UNIFORM_BYTES // 4].reshape(MOST_VIEWS, -1)
+            words = np.stack([self.atlas.projections[view] for view in views])
+            if faces:
+                # All faces tell the viewpoint; nothing has a place in those that are not drawn.
+                slots[:] = words[0]
+                slots[:, :CLIP_WORDS] = 0.0
+            slots[list(faces or range(len(views)))] = words
         return maps
 
     def _bind(self) -> None:

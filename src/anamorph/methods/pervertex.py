@@ -64,7 +64,10 @@ class Options:
     align : bool
         Whether maps are turned to the principal directions of their rays.
     field : float
-        Degrees: a mirror whose rays spread wider is divided into patches with a map each.
+        Degrees: a body whose rays spread wider is too wide for one map.
+    wide : str
+        What is drawn for such a body: "patches", into which it is divided, with a map each, or "cube", a cube map at
+        its virtual viewpoint. Where there is no such point behind it, it is divided all the same.
     bounces : int
         How many specular surfaces a path may meet: mirrors in mirrors.
     refine : int
@@ -85,6 +88,7 @@ class Options:
     projective: bool = True
     align: bool = True
     field: float = 100.0
+    wide: str = "patches"
     bounces: int = 2
     refine: int = 0
     start: str = "vertices"
@@ -124,7 +128,11 @@ class PerVertexDrawing:
             self._errors_view = self._errors.create_view()
         plan = PlanOptions(options.projective, options.align, self._mender is not None, options.start == "vertices")
         self._pictures = Pictures(
-            world, bodies, self._levels, PictureOptions(plan, options.field, options.resolution), self._draw_in_map
+            world,
+            bodies,
+            self._levels,
+            PictureOptions(plan, options.field, options.wide, options.resolution),
+            self._draw_in_map,
         )
         self._picture: Picture | None = None
         self._overlays = {
@@ -140,7 +148,7 @@ class PerVertexDrawing:
         constants: dict[str, float] = {"REFINEMENTS": options.refine, "MIPMAPS": int(options.mipmaps)}
 
         @cache
-        def pipeline(bends: bool, sides: int, output: str) -> wgpu.GPURenderPipeline:
+        def pipeline(bends: bool, sides: int, cube: bool, output: str) -> wgpu.GPURenderPipeline:
             kind = "refractor" if bends else "reflector"
             return make_pipeline(
                 module,
@@ -152,7 +160,7 @@ class PerVertexDrawing:
                 samples=options.antialias if output == "color" else 1,
                 cull="back",
                 depth_compare="equal" if output == "error" else "greater",
-                constants={**constants, "SIDES": sides},
+                constants={**constants, "SIDES": sides, "CUBE": int(cube)},
             )
 
         self._pipeline = pipeline
@@ -220,8 +228,8 @@ class PerVertexDrawing:
         if picture is None:
             return
         drawn = None
-        for draw in sorted(picture.draws, key=lambda draw: (draw.bends, draw.sides)):
-            pipeline = self._pipeline(draw.bends, draw.sides, output)
+        for draw in sorted(picture.draws, key=lambda draw: (draw.bends, draw.sides, draw.cube)):
+            pipeline = self._pipeline(draw.bends, draw.sides, draw.cube, output)
             if pipeline is not drawn:
                 render_pass.set_pipeline(pipeline)
                 drawn = pipeline
@@ -258,6 +266,8 @@ def open_session(view: View, options: Options) -> Session:
         raise AnamorphError(f"pervertex: refine is {options.refine}; give a number from 0 to {MAXIMUM_REFINEMENTS}")
     if not 1.0 <= options.field <= 150.0:
         raise AnamorphError(f"pervertex: field is {options.field:g}; give a number of degrees from 1 to 150")
+    if options.wide not in ("patches", "cube"):
+        raise AnamorphError(f"pervertex: wide is {options.wide!r}; give patches or cube")
     if not 1 <= options.bounces <= MAXIMUM_BOUNCES:
         raise AnamorphError(f"pervertex: bounces is {options.bounces}; give a number from 1 to {MAXIMUM_BOUNCES}")
     if options.start not in ("vertices", "direction"):

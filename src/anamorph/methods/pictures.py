@@ -6,7 +6,7 @@ not along the rays that lead there.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import partial
 
@@ -17,6 +17,7 @@ from anamorph.gpu.atlas import MapKind, MapView
 from anamorph.gpu.buffers import SceneBuffers
 from anamorph.gpu.device import maximum_size
 from anamorph.methods.bodies import Body, Sight, see
+from anamorph.methods.cube_plan import plan_cube
 from anamorph.methods.division import divide, seen_faces
 from anamorph.methods.level import Level, PatchDraw
 from anamorph.methods.warp import MapPlan, PlanOptions, plan_map
@@ -83,6 +84,7 @@ class PictureOptions:
 
     plan: PlanOptions
     field: float
+    wide: str
     resolution: float
 
 
@@ -142,12 +144,8 @@ class Pictures:
             hits = np.zeros((len(hider), 3))
             distances = np.full(len(hider), np.inf)
             plans = []
-            for faces in divide(sight.rays, seen_faces(sight.rays, eye.size), np.radians(self._options.field)):
-                plan = plan_map(sight, faces, hider, self._world, self._options.plan)
-                if plan is None:
-                    continue
-                size = self._size(plan)
-                views = [self._view(body, plan, number, size, depth, extra) for number in range(len(plan.projections))]
+            for faces, plan in self._plans(sight, seen_faces(sight.rays, eye.size), hider):
+                views = [self._view(body, plan, number, depth, extra) for number in range(len(plan.projections))]
                 first = len(level.views)
                 level.views.extend(views)
                 draws.append(level.add(sight, faces, plan, range(first, first + len(views))))
@@ -157,16 +155,27 @@ class Pictures:
                 seen.append(Seen(body, sight, hits, distances, tuple(plans)))
         return Picture(level, tuple(draws), tuple(seen)) if draws else None
 
-    def _size(self, plan: MapPlan) -> tuple[int, int]:
+    def _plans(self, sight: Sight, faces: np.ndarray, hider: np.ndarray) -> Iterator[tuple[np.ndarray, MapPlan]]:
+        """The faces of each patch, and its plan; patches that no map can show are left out."""
+        patches = divide(sight.rays, faces, np.radians(self._options.field))
+        if self._options.wide == "cube" and len(patches) > 1:
+            plan = plan_cube(sight, faces, hider, self._world, self._options.plan)
+            if plan is not None:
+                yield faces, plan
+                return
+        for patch in patches:
+            plan = plan_map(sight, patch, hider, self._world, self._options.plan)
+            if plan is not None:
+                yield patch, plan
+
+    def _size(self, texels: tuple[float, float]) -> tuple[int, int]:
         largest = min(MOST, maximum_size())
-        width, height = (int(np.clip(self._options.resolution * texels, LEAST, largest)) for texels in plan.texels)
+        width, height = (int(np.clip(self._options.resolution * side, LEAST, largest)) for side in texels)
         return width, height
 
-    def _view(
-        self, body: Body, plan: MapPlan, number: int, size: tuple[int, int], depth: int, extra: Extra | None
-    ) -> MapView:
+    def _view(self, body: Body, plan: MapPlan, number: int, depth: int, extra: Extra | None) -> MapView:
         """One map of a plan, with what other bodies show in it."""
-        projection = plan.projections[number]
+        projection, size = plan.projections[number], self._size(plan.texels[number])
         visible = self._world.visible(projection.clip)
         visible[list(body.meshes)] = False
         inner = None
@@ -185,7 +194,7 @@ class Pictures:
             size,
             visible,
             replaced=() if inner is None else inner.replaced,
-            sky=number == 0,
+            sky=not plan.reversed(number),
             extra=partial(_each, extras) if extras else None,
         )
 

@@ -17,6 +17,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from anamorph.methods.bodies import Sight
+from anamorph.methods.bundle import areas_of, crossings, find_hits, part_of, past_frame, pixel_weights, size_of
 from anamorph.methods.world import World
 from anamorph.optics.viewpoint import virtual_viewpoint
 from anamorph.projection import MapFrame, Projection, far_projection, map_frame, map_projection
@@ -29,17 +30,11 @@ WIDEST = 4.0
 NARROWINGS = 4
 """How often the rays that a map cannot hold are left out of its mean direction."""
 
-FARTHEST = 1e4
-"""How far away the sky is, in diagonals of the scene."""
-
 EDGE_MARGIN = 1.0
 """By how much of the fan of converging rays a hit near their crossing may lie outside it."""
 
 CLEARANCE = 1e-4
 """Between the near plane and the vertices, in sizes of the patch."""
-
-MAXIMUM_LAYERS = 8
-"""How many surfaces of a mirror's rim a ray may pass through."""
 
 MOST_TEXELS = 6.0
 """Of a map for each pixel that shows it: what is seen most aslant must do with less."""
@@ -77,8 +72,9 @@ class MapPlan:
 
     Parameters
     ----------
-    projections : one or two Projection
-        The map's view volume (3.3). Of converging rays first the region beyond their crossing, then the one before it.
+    projections : tuple of Projection
+        The map's view volume (3.3), or those of a cube map's faces. Of converging rays first the region beyond their
+        crossing, then the one before it.
     viewpoint : (4,) float64
         The virtual viewpoint (3.2), homogeneous; lines of sight leave it in the first of the projections.
     vertices : (V,) int
@@ -86,31 +82,39 @@ class MapPlan:
     lookups : (C, V, 4) float64
         (s q, t q, q, valid) of each vertex (3.4), for light of one colour or of green, red and blue; valid is 0 where
         the map has no place for it.
-    texels : (width, height) float
-        The map's size at one texel for each pixel that it fills.
+    texels : tuple of (width, height) float
+        The size of each projection's map at one texel for each pixel that it fills.
     hits : (V, 3) float64
         Where the vertex rays meet the scene (step 3.1).
     distances : (V,) float64
         How far that is from the vertex; infinite for the sky.
     used : float
         The share of the map that the patch looks up.
+    cube : tuple of int
+        The numbers of the cube map's faces that the projections are; none where they are no cube map. Then the lookups
+        are directions from the viewpoint.
     """
 
     projections: tuple[Projection, ...]
     viewpoint: np.ndarray
     vertices: np.ndarray
     lookups: np.ndarray
-    texels: tuple[float, float]
+    texels: tuple[tuple[float, float], ...]
     hits: np.ndarray
     distances: np.ndarray
     used: float
+    cube: tuple[int, ...] = ()
+
+    def reversed(self, number: int) -> bool:
+        """Whether projection `number` shows what lies before converging rays meet, towards the viewpoint."""
+        return number > 0 and not self.cube
 
     def eye(self, number: int, size: tuple[int, int]) -> Eye:
         """The map's own eye in projection `number`, for a map of `size`: what it sees in other mirrors."""
         width, height = size
         x, y, _, w = self.projections[number].clip
         matrix = np.stack([width / 2.0 * (x + w), height / 2.0 * (w - y), w])
-        return Eye(-self.viewpoint if number else self.viewpoint, matrix, size)
+        return Eye(-self.viewpoint if self.reversed(number) else self.viewpoint, matrix, size)
 
 
 def plan_map(sight: Sight, faces: np.ndarray, hider: np.ndarray, world: World, options: PlanOptions) -> MapPlan | None:
@@ -135,22 +139,24 @@ def plan_map(sight: Sight, faces: np.ndarray, hider: np.ndarray, world: World, o
     """
     vertices, corners = np.unique(sight.rays.faces[faces], return_inverse=True)
     corners = corners.reshape(-1, 3)
-    bundles = [_part(rays, vertices, corners) for rays in (sight.rays, *sight.others)]
+    bundles = [part_of(rays, vertices, corners) for rays in (sight.rays, *sight.others)]
     rays, hider, outward = bundles[0], hider[vertices], sight.outward[vertices]
     facing = rays.status == RayStatus.OK
     if not facing.any():
         return None
     directions = rays.unit_directions()
-    weights = _narrowed(_pixel_weights(rays, facing), directions[facing])
+    weights = _narrowed(pixel_weights(rays, facing), directions[facing])
     if np.linalg.norm(weights @ directions[facing]) < 1e-9:
         return None
     viewpoint, frame = _map_frame(rays.origins[facing], directions[facing], weights, options.align)
     normal = _near_normal(weights, outward[facing], directions[facing], frame)
-    past, top = _frame(rays, directions, hider, facing, normal, world)
+    past, top = past_frame(rays, directions, hider, facing, normal, world)
     near_plane = _near_plane(normal, rays.origins[facing], sight.side.behind[vertices][facing], viewpoint, frame)
     if np.isfinite(top):
         foremost = (rays.origins[facing] @ normal).max()
-        near_plane[3] = -(foremost if options.strict else max(foremost, top)) - CLEARANCE * _size(rays.origins[facing])
+        near_plane[3] = -(foremost if options.strict else max(foremost, top)) - CLEARANCE * size_of(
+            rays.origins[facing]
+        )
 
     # Steps 3.1 to 3.3: where the lines from the viewpoint to the hits cross the projection plane.
     own = tuple(mesh + 1 for mesh in sight.side.meshes)
@@ -160,7 +166,7 @@ def plan_map(sight: Sight, faces: np.ndarray, hider: np.ndarray, world: World, o
         for number, each in enumerate(bundles):
             ways = each.unit_directions()
             first = world.caster.cast(each.origins, ways, world.caster.near).distance
-            inside[number] &= (hider > 0) | ~facing | (first >= _crossings(each.origins, ways, near_plane))
+            inside[number] &= (hider > 0) | ~facing | (first >= crossings(each.origins, ways, near_plane))
     if not (inside & facing).any():
         return None
     # What is seen of a triangle may reach up to its vertices that are not.
@@ -186,7 +192,8 @@ def plan_map(sight: Sight, faces: np.ndarray, hider: np.ndarray, world: World, o
         if not world.visible(projections[1].clip).any():
             projections.pop()
     texels, used = _texels(rays, texcoords[0], valid[0] & facing, np.ptp(bounds, axis=0))
-    return MapPlan(tuple(projections), viewpoint, vertices, lookups, texels, hits[0], distances[0], used)
+    sizes = (texels,) * len(projections)
+    return MapPlan(tuple(projections), viewpoint, vertices, lookups, sizes, hits[0], distances[0], used)
 
 
 def _beside(chosen: np.ndarray, faces: np.ndarray) -> np.ndarray:
@@ -194,14 +201,6 @@ def _beside(chosen: np.ndarray, faces: np.ndarray) -> np.ndarray:
     beside = np.zeros(len(chosen), bool)
     beside[faces[chosen[faces].any(axis=1)]] = True
     return beside
-
-
-def _part(rays: RayMesh, vertices: np.ndarray, faces: np.ndarray) -> RayMesh:
-    """Some of a ray mesh's vertices, and the `faces` between them."""
-    picture, origins, directions, status = (
-        values[vertices] for values in (rays.picture, rays.origins, rays.directions, rays.status)
-    )
-    return RayMesh(picture, origins, directions, faces, status)
 
 
 def _looked_up(
@@ -216,15 +215,8 @@ def _looked_up(
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
     """Hits (V, 3) and their distances (V,), their places in the image plane (V, 2), and which of these are usable."""
     directions = rays.unit_directions()
-    if options.cast:
-        nearest = np.maximum(_crossings(rays.origins, directions, near_plane), past)
-        # No one sees what catches the rays that miss the far face of a lens: it must not be what frames the lens.
-        lost = np.isin(rays.status, (RayStatus.LEFT_BY_EDGE, RayStatus.TOTAL_REFLECTION))
-        nearest[lost] += _size(rays.origins)
-        distances, met = world.cast_past(rays.origins, directions, nearest, own)
-    else:
-        distances = np.full(len(directions), world.diagonal)
-    hits = rays.origins + np.minimum(distances, FARTHEST * world.diagonal)[:, None] * directions
+    nearest = np.maximum(crossings(rays.origins, directions, near_plane), past)
+    hits, distances, met = find_hits(rays, nearest, own, world, options.cast)
     projected = frame.project(hits)
     crossed = projected[:, 2] < 0.0 if frame.convergence < 0.0 else np.zeros(len(hits), bool)
     usable = (projected[:, 2] > 0.0) | crossed
@@ -236,18 +228,10 @@ def _looked_up(
         margin = EDGE_MARGIN * (high - low).max()
         places = np.clip(np.where(usable[:, None], places, fan), low - margin, high + margin)
         usable = directions @ frame.axes[2] > 0.0
-    if options.strict and options.cast:
+    if options.strict:
         usable &= ~(met & facing)
     usable &= np.abs(frame.convergence * places - frame.slope).max(axis=1) < WIDEST
     return hits, distances, places, usable
-
-
-def _pixel_weights(rays: RayMesh, facing: np.ndarray) -> np.ndarray:
-    """The share of the mirror's picture around each vertex that faces the eye: all that is seen counts alike."""
-    places = rays.picture[:, :2] / np.where(rays.picture[:, 2:] > 0.0, rays.picture[:, 2:], 1.0)
-    faces = rays.faces[(facing & (rays.picture[:, 2] > 0.0))[rays.faces].all(axis=1)]
-    areas = np.bincount(faces.ravel(), np.repeat(_areas(places[faces]), 3), len(facing))[facing]
-    return areas / areas.sum() if areas.sum() > 0.0 else np.full(len(areas), 1.0 / len(areas))
 
 
 def _narrowed(weights: np.ndarray, directions: np.ndarray) -> np.ndarray:
@@ -314,49 +298,12 @@ def _near_plane(
     At most it lies just before the foremost vertex. `behind` says how far behind each vertex something stands.
     """
     heights = origins @ normal
-    clearance = CLEARANCE * _size(origins)
+    clearance = CLEARANCE * size_of(origins)
     # Half the way to what stands behind: between the vertices it may be nearer.
     level = max(float(heights.min()) - clearance, float((heights - 0.5 * behind).max()))
     if frame.convergence > 0.0:
         level = max(level, float(viewpoint[:3] @ normal / viewpoint[3]) + 1e2 * clearance)
     return np.append(normal, -min(level, float(heights.max()) + clearance))
-
-
-def _frame(
-    rays: RayMesh, directions: np.ndarray, hider: np.ndarray, facing: np.ndarray, normal: np.ndarray, world: World
-) -> tuple[np.ndarray, float]:
-    """How far along each ray what frames the mirror is passed, (V,), and how high along `normal` that reaches.
-
-    A rim over the mirror's border hides vertices from the eye. It must not hide the scene from them as well: no one
-    sees where their rays meet the rim, but all that is interpolated towards it would be wrong. A frame reaches back to
-    the mirror; what stands free before it is seen in it.
-    """
-    start, top = np.full(len(hider), world.caster.near), -np.inf
-    if not hider.any():
-        return start, top
-    size = _size(rays.origins)
-    reaches = (world.mesh_corners @ normal).min(axis=1) < float((rays.origins @ normal).max())
-    hidden = (hider > 0) & reaches[np.maximum(hider, 1) - 1] & facing
-    for _ in range(MAXIMUM_LAYERS if hidden.any() else 0):
-        hits = world.caster.cast(rays.origins, directions, start)
-        framed = hidden & (hits.distance < size) & (world.face_object[hits.triangle] == hider)
-        if not framed.any():
-            break
-        start = np.where(framed, hits.distance + world.caster.near, start)
-        top = max(top, float(((rays.origins + start[:, None] * directions) @ normal)[framed].max()))
-    return start, top
-
-
-def _size(points: np.ndarray) -> float:
-    """The diagonal of the box around points."""
-    return float(np.linalg.norm(np.ptp(points, axis=0)))
-
-
-def _crossings(origins: np.ndarray, directions: np.ndarray, plane: np.ndarray) -> np.ndarray:
-    """How far each ray goes before it crosses a plane that it starts behind; 0 for one that runs along it."""
-    rise = directions @ plane[:3]
-    behind = -(origins @ plane[:3] + plane[3])
-    return np.where(rise > 1e-3, behind / np.maximum(rise, 1e-3), 0.0)
 
 
 def _bounds(places: np.ndarray) -> np.ndarray:
@@ -374,16 +321,10 @@ def _texels(
     if not len(faces):
         return (64.0, 64.0), 0.0
     places = rays.picture[:, :2] / np.where(rays.picture[:, 2:] > 0.0, rays.picture[:, 2:], 1.0)
-    pixels, shares = _areas(places[faces]), _areas(texcoords[faces])
+    pixels, shares = areas_of(places[faces]), areas_of(texcoords[faces])
     density = pixels / np.maximum(shares, 1e-12)
     order = np.argsort(density)
     covered = np.cumsum(pixels[order])
     texels = min(density[order][np.searchsorted(covered, 0.9 * covered[-1])], MOST_TEXELS * covered[-1])
     aspect = np.clip(extent[0] / extent[1], 0.1, 10.0)
     return (float(np.sqrt(texels * aspect)), float(np.sqrt(texels / aspect))), float(shares.sum())
-
-
-def _areas(corners: np.ndarray) -> np.ndarray:
-    """Areas of plane triangles (F, 3, 2)."""
-    a, b = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
-    return np.abs(a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]) / 2.0

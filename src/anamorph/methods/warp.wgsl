@@ -94,7 +94,8 @@ fn locate(point: vec4f, side: i32, otherwise: Place) -> Place {
 // The place that the vertices' lookups give a fragment.
 fn start_of(lookup: vec4f) -> Place {
     if CUBE == 1 {
-        return locate(vec4f(lookup.xyz, 0.0), 0, Place(0, vec2f(0.5)));
+        // A face that is not drawn has no place, and is no place to step from.
+        return locate(vec4f(lookup.xyz, 0.0), 0, Place(0, vec2f(-1.0)));
     }
     return Place(0, lookup.xy / lookup.z);
 }

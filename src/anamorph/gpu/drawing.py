@@ -149,13 +149,13 @@ def color_and_depth_pipelines() -> ScenePipelines:
 @cache
 def map_pipelines(mirrored: bool = False) -> ScenePipelines:
     """Depth with its slopes, from which a map's reader finds the seen point."""
-    return _scene_pipelines("scene_depth", "scene_depth", "sky_depth", MAP_FORMATS, mirrored=mirrored)
+    return _scene_pipelines("scene_depth", "stand_in_depth", "sky_depth", MAP_FORMATS, mirrored=mirrored)
 
 
 @cache
 def end_pipelines() -> ScenePipelines:
     """The point and the object that a map sees."""
-    return _scene_pipelines("scene_end", "scene_end", "sky_end", MAP_FORMATS)
+    return _scene_pipelines("scene_end", "stand_in_end", "sky_end", MAP_FORMATS)
 
 
 def bind_scene(render_pass: wgpu.GPURenderPassEncoder, buffers: SceneBuffers, projection: ProjectionUniform) -> None:

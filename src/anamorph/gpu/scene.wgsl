@@ -110,6 +110,13 @@ fn sky(pixel: vec4f) -> vec4f {
     return vec4f(sky_color(viewing_direction(pixel.xy), projection.base.w), 1.0);
 }
 
+// Added to what a map knows of a fragment: it is a specular front, where the path goes on.
+const FRONT = vec4f(0.0, 0.0, 0.0, 0.5);
+
+fn is_front(point: vec4f) -> bool {
+    return fract(point.w) > 0.25;
+}
+
 // For a map's reader: depth is linear in the picture on each triangle, so that depth, its slopes and the object
 // number give back the seen point anywhere in the texel.
 fn depth_and_slopes(fragment: SceneFragment) -> vec4f {
@@ -139,7 +146,7 @@ fn scene_color_and_depth(fragment: SceneFragment) -> ColorAndDepth {
 
 @fragment
 fn stand_in_color_and_depth(fragment: SceneFragment) -> ColorAndDepth {
-    return ColorAndDepth(stood_in(fragment), depth_and_slopes(fragment));
+    return ColorAndDepth(stood_in(fragment), depth_and_slopes(fragment) + FRONT);
 }
 
 @fragment
@@ -155,6 +162,16 @@ fn scene_seen(fragment: SceneFragment) -> Seen {
 @fragment
 fn scene_depth(fragment: SceneFragment) -> @location(0) vec4f {
     return depth_and_slopes(fragment);
+}
+
+@fragment
+fn stand_in_depth(fragment: SceneFragment) -> @location(0) vec4f {
+    return depth_and_slopes(fragment) + FRONT;
+}
+
+@fragment
+fn stand_in_end(fragment: SceneFragment) -> @location(0) vec4f {
+    return vec4f(fragment.position, f32(fragment.object)) + FRONT;
 }
 
 // The world point and the object.

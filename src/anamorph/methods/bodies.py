@@ -95,6 +95,7 @@ class Sight:
         """
         records = []
         for rays in (self.rays, *self.others):
+            assert rays.share is not None
             total = rays.status == RayStatus.TOTAL_REFLECTION
             rows = np.stack([np.column_stack([rays.origins, rays.share]), np.column_stack([rays.directions, total])], 1)
             records.append(rows[self.rays.faces[faces]])

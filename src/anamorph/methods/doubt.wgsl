@@ -56,8 +56,7 @@ fn error_in_pixels(ray: Ray, right_of: Ray, below: Ray, found: Lookup, valid: bo
         normal_equations.z * sides.x - normal_equations.y * sides.y,
         normal_equations.x * sides.y - normal_equations.y * sides.x
     ) / determinant;
-    let specular = !sky && is_specular(u32(max(found.point.w, 1.0)));
-    let known = valid && dot(toward, ray.direction) > 0.0 && !specular && !hidden_on_the_way(ray, found);
+    let known = valid && dot(toward, ray.direction) > 0.0 && !is_front(found.point) && !hidden_on_the_way(ray, found);
     return select(UNKNOWN, length(step), known);
 }
 

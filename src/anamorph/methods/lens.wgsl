@@ -118,7 +118,7 @@ fn refractor_color(fragment: RefractorFragment) -> @location(0) vec4f {
 
 @fragment
 fn refractor_color_and_depth(fragment: RefractorFragment) -> ColorAndDepth {
-    let depth = vec4f(fragment.pixel.z, dpdx(fragment.pixel.z), dpdy(fragment.pixel.z), f32(fragment.object.x));
+    let depth = vec4f(fragment.pixel.z, dpdx(fragment.pixel.z), dpdy(fragment.pixel.z), f32(fragment.object.x)) + FRONT;
     return ColorAndDepth(refracted_color(fragment), depth);
 }
 

@@ -23,6 +23,9 @@ from anamorph.projection import UNIFORM_BYTES
 SMOOTH, THREE_COLORS = 1, 4
 """Flags of a triangle, as the shaders read them."""
 
+NOWHERE = (0.5, 0.5, 1.0, 0.0)
+"""The lookup of a vertex that no map shows."""
+
 MOST_VIEWS = 6
 CLIP_WORDS = 32
 """Of a `Projection`, those of its two matrices, which come first."""
@@ -86,22 +89,25 @@ class Level:
             contents.clear()
         self._triangle_count = self._data_count = 0
 
-    def add(self, sight: Sight, faces: np.ndarray, plan: MapPlan, views: range) -> PatchDraw:
-        """Add a patch: the `faces` of a body, which show the maps of the numbers `views`."""
-        corners = np.searchsorted(plan.vertices, sight.rays.faces[faces])
-        data = np.moveaxis(plan.lookups[:, corners], 0, 2)
+    def add(self, sight: Sight, faces: np.ndarray, plan: MapPlan | None, views: range) -> PatchDraw:
+        """Add a patch: the `faces` of a body, which show the maps of the numbers `views`; or, without a plan, none."""
+        if plan is None:
+            lookups = np.broadcast_to(NOWHERE, (1 + len(sight.others), len(faces), 3, 4))
+        else:
+            lookups = plan.lookups[:, np.searchsorted(plan.vertices, sight.rays.faces[faces])]
+        data = np.moveaxis(lookups, 0, 2)
         if sight.bends:
             data = np.concatenate([data[:, :, :, None], sight.corner_rays(faces)], axis=3)
         data = data.reshape(len(faces), -1, 4)
         if sight.bends:
             data = np.concatenate([np.broadcast_to(sight.edge(), (len(faces), 2, 4)), data], axis=1)
-        flags = np.where(sight.side.smooth[faces], SMOOTH, 0) | (THREE_COLORS if len(plan.lookups) > 1 else 0)
+        flags = np.where(sight.side.smooth[faces], SMOOTH, 0) | (THREE_COLORS if len(lookups) > 1 else 0)
         first = self._data_count + data.shape[1] * np.arange(len(faces))
         triangles = np.stack([sight.side.triangles[faces], flags, first, np.zeros_like(first)], axis=1)
-        cube = bool(plan.cube)
+        cube = () if plan is None else plan.cube
         sides = 1 if cube else len(views)
-        draw = PatchDraw(len(self._patches), self._triangle_count, len(faces), sight.bends, sides, cube)
-        self._patches.append((views, plan.cube))
+        draw = PatchDraw(len(self._patches), self._triangle_count, len(faces), sight.bends, sides, bool(cube))
+        self._patches.append((views, cube))
         self._triangles.append(triangles.astype(np.uint32))
         self._data.append(data.astype(np.float32).reshape(-1, 4))
         self._triangle_count += len(faces)

@@ -135,6 +135,7 @@ class PerVertexDrawing:
             self._draw_in_map,
         )
         self._picture: Picture | None = None
+        self._camera: Camera | None = None
         self._overlays = {
             side: Overlay(side.optics.positions, side.optics.faces, options.antialias)
             for body in bodies
@@ -177,9 +178,13 @@ class PerVertexDrawing:
             caster.moved(geometry.positions)
         self._world = world_of(geometry, caster)
         self._pictures.moved(self._world)
+        self._camera = None
 
     def prepare(self, encoder: wgpu.GPUCommandEncoder, camera: Camera, shift: tuple[float, float]) -> None:
-        """Steps 1 to 3: plan all maps, and draw them."""
+        """Steps 1 to 3: plan all maps, and draw them; where nothing has moved, the last ones serve."""
+        if camera == self._camera:
+            return
+        self._camera = camera
         size = self._stage.view.size
         balls = self._draw_balls if self._overlays else None
         self._picture = self._pictures.plan(camera.eye(size), np.asarray(camera.position, float), balls)

@@ -94,7 +94,7 @@ fn reflector_color(fragment: ReflectorFragment) -> @location(0) vec4f {
 // In a map of another mirror: the mirror's own depth goes with it.
 @fragment
 fn reflector_color_and_depth(fragment: ReflectorFragment) -> ColorAndDepth {
-    let depth = vec4f(fragment.pixel.z, dpdx(fragment.pixel.z), dpdy(fragment.pixel.z), f32(fragment.object.x));
+    let depth = vec4f(fragment.pixel.z, dpdx(fragment.pixel.z), dpdy(fragment.pixel.z), f32(fragment.object.x)) + FRONT;
     return ColorAndDepth(reflected_color(fragment), depth);
 }
 

@@ -27,8 +27,14 @@ from anamorph.scene.camera import Eye
 LEAST, MOST = 16, 4096
 """Texels along a side of a map."""
 
-LEAST_SEEN = 12.0
+LEAST_SEEN = 32.0
 """A body that spans fewer texels in a map is not worth maps of its own there."""
+
+INNER_FIELD = 140.0
+"""Degrees: patches of what is seen in a map are wide, and so are few."""
+
+MOST_INNER = 48
+"""How many maps there may be of what is seen in other maps, at each depth."""
 
 Extra = Callable[[MapKind, wgpu.GPURenderPassEncoder], None]
 
@@ -111,19 +117,27 @@ class Pictures:
         draw: Callable[[Picture, MapKind, wgpu.GPURenderPassEncoder], None],
     ) -> None:
         self._world, self._bodies, self._levels, self._options, self._draw = world, bodies, levels, options, draw
+        self._eye: tuple[float, ...] = ()
+        self._sights: list[Sight] = []
 
     def moved(self, world: World) -> None:
         """Take over a world whose meshes have moved."""
         self._world = world
 
     def plan(self, eye: Eye, position: np.ndarray, extra: Extra | None = None) -> Picture | None:
-        """Plan all that an eye at `position` sees; `extra` draws into the maps of the first bounce."""
+        """Plan all that an eye at `position` sees; `extra` draws into the maps of the first bounce.
+
+        As long as the eye stays, what the bodies do to its rays is not found again.
+        """
         for level in self._levels:
             level.clear()
-        points = [_points(body, eye) for body in self._bodies]
+        key = (*eye.point, *eye.matrix.ravel())
+        if key != self._eye:
+            self._eye, self._sights = key, [see(body, eye) for body in self._bodies]
         casts = self._options.plan.cast
+        points = [sight.side.optics.positions for sight in self._sights]
         hiders = [self._world.hiders(position, each) if casts else np.zeros(len(each), int) for each in points]
-        picture = self._seen_by(eye, 0, self._bodies, hiders, extra)
+        picture = self._seen_by(eye, 0, self._bodies, self._sights, hiders, extra)
         for level in self._levels:
             if level.views:
                 level.place()
@@ -136,15 +150,24 @@ class Pictures:
                 level.atlas.draw(encoder, buffers, kind)
 
     def _seen_by(
-        self, eye: Eye, depth: int, bodies: Sequence[Body], hiders: Sequence[np.ndarray], extra: Extra | None = None
+        self,
+        eye: Eye,
+        depth: int,
+        bodies: Sequence[Body],
+        sights: Sequence[Sight],
+        hiders: Sequence[np.ndarray],
+        extra: Extra | None = None,
     ) -> Picture | None:
         level, draws, seen = self._levels[depth], [], []
-        for body, hider in zip(bodies, hiders, strict=True):
-            sight = see(body, eye)
+        for body, sight, hider in zip(bodies, sights, hiders, strict=True):
             hits = np.zeros((len(hider), 3))
             distances = np.full(len(hider), np.inf)
-            plans = []
-            for faces, plan in self._plans(sight, seen_faces(sight.rays, eye.size), hider):
+            plans: list[MapPlan] = []
+            lost: list[np.ndarray] = []
+            for faces, plan in self._plans(sight, seen_faces(sight.rays, eye.size), hider, depth):
+                if plan is None:
+                    lost.append(faces)
+                    continue
                 views = [self._view(body, plan, number, depth, extra) for number in range(len(plan.projections))]
                 first = len(level.views)
                 level.views.extend(views)
@@ -152,21 +175,23 @@ class Pictures:
                 hits[plan.vertices], distances[plan.vertices] = plan.hits, plan.distances
                 plans.append(plan)
             if plans:
+                draws += [level.add(sight, faces, None, range(1)) for faces in lost]
                 seen.append(Seen(body, sight, hits, distances, tuple(plans)))
         return Picture(level, tuple(draws), tuple(seen)) if draws else None
 
-    def _plans(self, sight: Sight, faces: np.ndarray, hider: np.ndarray) -> Iterator[tuple[np.ndarray, MapPlan]]:
-        """The faces of each patch, and its plan; patches that no map can show are left out."""
-        patches = divide(sight.rays, faces, np.radians(self._options.field))
+    def _plans(
+        self, sight: Sight, faces: np.ndarray, hider: np.ndarray, depth: int
+    ) -> Iterator[tuple[np.ndarray, MapPlan | None]]:
+        """The faces of each patch, and its plan: none for patches that no map can show, or none is worth it."""
+        patches = divide(sight.rays, faces, np.radians(max(self._options.field, INNER_FIELD if depth else 0.0)))
         if self._options.wide == "cube" and len(patches) > 1:
             plan = plan_cube(sight, faces, hider, self._world, self._options.plan)
             if plan is not None:
                 yield faces, plan
                 return
         for patch in patches:
-            plan = plan_map(sight, patch, hider, self._world, self._options.plan)
-            if plan is not None:
-                yield patch, plan
+            spared = depth > 0 and len(self._levels[depth].views) >= MOST_INNER
+            yield patch, None if spared else plan_map(sight, patch, hider, self._world, self._options.plan)
 
     def _size(self, texels: tuple[float, float]) -> tuple[int, int]:
         largest = min(MOST, maximum_size())
@@ -186,7 +211,9 @@ class Pictures:
                 for other in self._bodies
                 if other is not body and visible[list(other.meshes)].any() and _extent(other, eye) >= LEAST_SEEN
             ]
-            inner = self._seen_by(eye, depth + 1, others, [np.zeros(len(_points(other, eye)), int) for other in others])
+            sights = [see(other, eye) for other in others]
+            unhidden = [np.zeros(len(sight.rays.status), int) for sight in sights]
+            inner = self._seen_by(eye, depth + 1, others, sights, unhidden)
         extras: list[Extra] = [] if inner is None else [partial(self._draw, inner)]
         extras += [] if extra is None else [extra]
         return MapView(
@@ -202,11 +229,6 @@ class Pictures:
 def _each(extras: Sequence[Extra], kind: MapKind, render_pass: wgpu.GPURenderPassEncoder) -> None:
     for extra in extras:
         extra(kind, render_pass)
-
-
-def _points(body: Body, eye: Eye) -> np.ndarray:
-    """Where lines of sight meet the side of a body that is seen."""
-    return see(body, eye, dispersion=False).side.optics.positions
 
 
 def _extent(body: Body, eye: Eye) -> float:

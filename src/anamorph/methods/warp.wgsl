@@ -182,7 +182,7 @@ fn found_color(start: Place, ray: Ray, dx: vec2f, dy: vec2f) -> vec3f {
 
 // The path's end: what is found, or what a mirror shows that is found.
 fn end_of(found: Lookup) -> vec4f {
-    if found.point.w > 0.0 && is_specular(u32(max(found.point.w, 1.0))) && textureDimensions(map_end).x > 1u {
+    if is_front(found.point) && textureDimensions(map_end).x > 1u {
         return textureLoad(map_end, map_texel(maps.views[found.at.view], found.at.place), 0);
     }
     return found.point;
@@ -190,5 +190,7 @@ fn end_of(found: Lookup) -> vec4f {
 
 fn warped_status(found: Lookup, start: Place, end: vec4f) -> u32 {
     let moved = any(found.at.place != start.place);
-    return select(select(STATUS_WARPED, STATUS_REFINED, moved), STATUS_SKY, end.w == 0.0);
+    // At a specular front the path goes on, and no map says where.
+    let status = select(select(STATUS_WARPED, STATUS_REFINED, moved), STATUS_SKY, end.w == 0.0);
+    return select(status, STATUS_OUTSIDE, is_front(end));
 }

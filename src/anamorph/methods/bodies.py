@@ -36,6 +36,8 @@ class Side:
         Whether the true surface lies off the triangle.
     behind : (V,) float64
         How far behind each vertex something else of the scene stands; infinite for nothing.
+    covered : (V,) float64
+        How high a rim that lies on it rises over each vertex; 0 for none.
     edge : int
         The object number of a lens's edge; 0 for none.
     """
@@ -45,6 +47,7 @@ class Side:
     triangles: np.ndarray
     smooth: np.ndarray
     behind: np.ndarray
+    covered: np.ndarray
     edge: int = 0
 
 
@@ -178,13 +181,15 @@ def _mirror_side(scene: Scene, geometry: Geometry, world: World, group: Sequence
     smooth = np.repeat(exact, [len(part.faces) for part in parts])
     own = tuple(index + 1 for index in group)
     behind = world.behind(optics.positions, optics.normals, own)
-    return Side(tuple(group), optics, _triangles(geometry, group), smooth, behind)
+    covered = world.covered(optics.positions, optics.normals)
+    return Side(tuple(group), optics, _triangles(geometry, group), smooth, behind, covered)
 
 
 def _lens_side(scene: Scene, geometry: Geometry, near: int, far: int, edge: int) -> Side:
     optics = refractor(scene.meshes[near], scene.meshes[far])
     smooth, behind = np.ones(len(optics.faces), bool), np.zeros(len(optics.positions))
-    return Side((near,), optics, _triangles(geometry, (near,)), smooth, behind, edge)
+    covered = np.zeros(len(optics.positions))
+    return Side((near,), optics, _triangles(geometry, (near,)), smooth, behind, covered, edge)
 
 
 def _triangles(geometry: Geometry, meshes: Sequence[int]) -> np.ndarray:

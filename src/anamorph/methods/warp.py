@@ -151,12 +151,15 @@ def plan_map(sight: Sight, faces: np.ndarray, hider: np.ndarray, world: World, o
     viewpoint, frame = _map_frame(rays.origins[facing], directions[facing], weights, options.align)
     normal = _near_normal(weights, outward[facing], directions[facing], frame)
     past, top = past_frame(rays, directions, hider, facing, normal, world)
+    if not options.cast:
+        # What lies on the mirror stands for what is found to hide its vertices.
+        covered = sight.side.covered[vertices]
+        top = (rays.origins @ normal + covered)[covered > 0.0].max(initial=-np.inf)
     near_plane = _near_plane(normal, rays.origins[facing], sight.side.behind[vertices][facing], viewpoint, frame)
     if np.isfinite(top):
         foremost = (rays.origins[facing] @ normal).max()
-        near_plane[3] = -(foremost if options.strict else max(foremost, top)) - CLEARANCE * size_of(
-            rays.origins[facing]
-        )
+        clearance = CLEARANCE * size_of(rays.origins[facing])
+        near_plane[3] = -(foremost if options.strict else max(foremost, top)) - clearance
 
     # Steps 3.1 to 3.3: where the lines from the viewpoint to the hits cross the projection plane.
     own = tuple(mesh + 1 for mesh in sight.side.meshes)

@@ -14,6 +14,10 @@ MOST_LAYERS = 4
 """How many of a body's own surfaces a ray is followed through."""
 
 
+LYING = 0.05
+"""How far from a surface, in its sizes, what lies on it may begin."""
+
+
 @dataclass(frozen=True, eq=False)
 class World:
     """A scene around its mirrors.
@@ -59,6 +63,27 @@ class World:
         hits = self.caster.cast(points, -outward, 1e-4 * reach)
         foreign = (hits.triangle >= 0) & ~np.isin(self.face_object[hits.triangle], own)
         return np.where(foreign, hits.distance, np.inf)
+
+    def covered(self, points: np.ndarray, outward: np.ndarray) -> np.ndarray:
+        """How high what lies on a surface, at `points` (N, 3) with normals `outward`, rises near each, (N,).
+
+        That is what begins close above a point, as a rim over a mirror's border does; 0 for none. It is looked for
+        straight up and aslant, away from the middle.
+        """
+        reach = float(np.linalg.norm(np.ptp(points, axis=0)))
+        away = points - points.mean(axis=0)
+        aslant = outward + away / np.maximum(np.linalg.norm(away, axis=1, keepdims=True), 1e-12)
+        highest = np.zeros(len(points))
+        for ways in (outward, aslant):
+            hits = self.caster.cast(points, ways, 1e-5 * reach)
+            lying = (hits.triangle >= 0) & (hits.distance < LYING * reach)
+            first, height = self.face_object[hits.triangle], np.zeros(len(points))
+            for _ in range(MOST_LAYERS):
+                height = np.where(lying, hits.distance, height)
+                hits = self.caster.cast(points, ways, height + self.caster.near)
+                lying &= (hits.distance < reach) & (self.face_object[hits.triangle] == first)
+            highest = np.maximum(highest, height * np.einsum("ni,ni->n", ways, outward))
+        return highest
 
     def cast_past(
         self, origins: np.ndarray, directions: np.ndarray, near: np.ndarray, own: tuple[int, ...]

@@ -145,6 +145,11 @@ fn refracted(fragment: RefractorFragment) -> Refracted {
 }
 
 @fragment
+fn refractor_depth(fragment: RefractorFragment) -> @location(0) vec4f {
+    return vec4f(fragment.pixel.z, dpdx(fragment.pixel.z), dpdy(fragment.pixel.z), f32(fragment.object.x)) + FRONT;
+}
+
+@fragment
 fn refractor_end(fragment: RefractorFragment) -> @location(0) vec4f {
     return refracted(fragment).end;
 }

@@ -99,13 +99,14 @@ class Options:
 OUTPUTS: dict[str, tuple[str, ...]] = {
     "color": (COLOR_FORMAT,),
     "color_and_depth": (COLOR_FORMAT, *MAP_FORMATS),
+    "depth": MAP_FORMATS,
     "end": MAP_FORMATS,
     "seen": SEEN_FORMATS,
     "error": (ERROR_FORMAT,),
 }
 """What the shaders' fragment functions are called after, and the targets that they write."""
 
-IN_MAPS = {MapKind.COLOR: "color", MapKind.BOTH: "color_and_depth", MapKind.END: "end"}
+IN_MAPS = {MapKind.COLOR: "color", MapKind.DEPTH: "depth", MapKind.BOTH: "color_and_depth", MapKind.END: "end"}
 
 
 class PerVertexDrawing:

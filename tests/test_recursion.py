@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from scenes import drawn
 
-from anamorph.frame import Frame
+from anamorph.frame import Frame, Status
 from anamorph.measure.errors import measure, silhouettes
 from anamorph.scene.builtin import make
 
@@ -16,38 +16,37 @@ SIZE = (200, 150)
 
 
 @cache
-def built_in(name: str, specification: str) -> Frame:
-    return drawn(make(name), specification, SIZE)
+def built_in(name: str, specification: str, size: tuple[int, int] = SIZE) -> Frame:
+    return drawn(make(name), specification, size)
 
 
 def numbers(name: str, *starts: str) -> list[int]:
     return [index + 1 for index, mesh in enumerate(make(name).meshes) if mesh.name.startswith(starts)]
 
 
-@pytest.mark.parametrize("depth", [1, 2, 4, 6])
+@pytest.mark.parametrize("depth", [2, 6])
 def test_facing_mirrors_are_exact_to_every_depth(depth):
-    """Where the truth needs no more bounces than the frame has, flat mirrors in flat mirrors are exact."""
-    truth, frame = built_in("facing-mirrors", "raytrace:bounces=8"), built_in("facing-mirrors", "pervertex:bounces=8")
-    limited = built_in("facing-mirrors", f"pervertex:bounces={depth}")
-    shallow = built_in("facing-mirrors", f"raytrace:bounces={depth}")
-    complete = (shallow.object_id == truth.object_id) & (shallow.object_id > 0)
-    away = (truth.specular > 0) & complete & ~silhouettes(truth.object_id, truth.specular)
-    assert away.sum() > 5000
-    errors = measure(truth, limited).maps
-    same = limited.object_id == truth.object_id
-    assert (same & away).sum() >= 0.998 * away.sum()
-    assert errors.pixels[away & same].max() <= 0.02
-    assert np.percentile(errors.pixels[away & same], 99) <= 1e-3
-    assert frame.object_id.max() <= len(make("facing-mirrors").meshes)
+    """Flat mirrors in flat mirrors; a path that meets more of them ends at the next one, for rays and maps alike."""
+    truth, frame = (built_in("facing-mirrors", f"{name}:bounces={depth}") for name in ("raytrace", "pervertex"))
+    errors = measure(truth, frame).maps
+    away = errors.specular & ~errors.silhouette
+    same = frame.object_id == truth.object_id
+    assert same[away].mean() >= 0.998
+    # What differs lies beside an edge: half a texel of the map away from it.
+    wide = silhouettes(silhouettes(truth.object_id).astype(int))
+    assert same[away & ~wide].mean() >= 0.9995
+    assert np.percentile(errors.pixels[away & same], 99.5) <= 1e-3
+    assert np.linalg.norm(frame.position - truth.position, axis=-1)[away & same].max() <= 0.02
+    assert (frame.specular == truth.specular)[away].all()
 
 
-def test_what_is_deeper_than_the_limit_shows_the_sky_in_all_buffers():
-    few = built_in("facing-mirrors", "pervertex:bounces=2")
-    shallow = built_in("facing-mirrors", "raytrace:bounces=2")
-    beyond = (shallow.object_id == 0) & (shallow.specular > 0) & ~silhouettes(shallow.object_id, shallow.specular)
-    print(beyond.sum(), np.unique(few.object_id[beyond], return_counts=True))
+def test_what_is_deeper_than_the_limit_ends_at_a_mirror():
+    mirrors = numbers("facing-mirrors", "mirror")
+    truth, frame = (built_in("facing-mirrors", f"{name}:bounces=2") for name in ("raytrace", "pervertex"))
+    beyond = (truth.specular > 0) & np.isin(truth.object_id, mirrors) & ~silhouettes(truth.object_id, truth.specular)
     assert beyond.sum() > 500
-    assert (few.object_id[beyond] == 0).mean() > 0.98
+    assert np.isin(frame.object_id[beyond], mirrors).mean() > 0.98
+    assert (frame.status[beyond] == Status.OUTSIDE).mean() > 0.98
 
 
 def test_each_bounce_shows_more_of_the_tunnel():
@@ -56,25 +55,27 @@ def test_each_bounce_shows_more_of_the_tunnel():
         measure(truth, built_in("facing-mirrors", f"pervertex:bounces={depth}")).other_object_percent
         for depth in (1, 2, 4, 6)
     ]
-    print(wrong)
     assert wrong[0] > wrong[1] > wrong[2] >= wrong[3]
     assert wrong[3] <= 1.0
 
 
 def test_the_windows_in_the_mirror_show_the_town():
-    truth = built_in("car-windows", "raytrace")
-    once = built_in("car-windows", "raytrace:bounces=1")
-    windows = (truth.specular > 0) & ~silhouettes(truth.object_id, truth.specular, once.object_id)
-    moved = np.linalg.norm(truth.position - once.position, axis=-1) > 1e-3
-    windows &= moved
-    assert windows.sum() > 100
-    frame, blind = (built_in("car-windows", f"pervertex:refine=2,bounces={depth}") for depth in (2, 1))
+    size, mirror = (400, 300), numbers("car-windows", "mirror")
+    truth, once = (built_in("car-windows", name, size) for name in ("raytrace", "raytrace:bounces=1"))
+    frame, blind = (built_in("car-windows", f"pervertex:refine=2,bounces={depth}", size) for depth in (2, 1))
+    panes = [number for number in np.unique(once.object_id) if make("car-windows").meshes[number - 1].specular]
+    windows = np.isin(truth.specular, mirror) & np.isin(once.object_id, panes)
+    windows &= ~silhouettes(truth.object_id, truth.specular, once.object_id)
+    assert windows.sum() > 1000
     errors = measure(truth, frame).maps
-    print(windows.sum(), np.percentile(errors.pixels[windows], [50, 95, 100]), (frame.object_id != truth.object_id)[windows].mean())
-    assert np.median(errors.pixels[windows]) <= 1.0
-    assert (frame.object_id == truth.object_id)[windows].mean() >= 0.9
-    print((blind.object_id[windows] == 0).mean())
-    assert (blind.object_id[windows] == 0).all()
+    # The town in a window is seen from the map's viewpoint, and not along the rays.
+    assert np.percentile(errors.pixels[windows], 95) <= 1.0
+    assert (frame.object_id == truth.object_id)[windows].mean() >= 0.99
+    assert np.isin(blind.object_id[windows], panes).all()
+    assert (blind.status[windows] == Status.OUTSIDE).all()
+    # What the map shows in their place then is the sky: more blue than red, as the town is not.
+    town = truth.object_id[windows] > 0
+    assert (blind.color[windows][town][:, 2] > blind.color[windows][town][:, 0]).mean() > 0.95
 
 
 def test_no_map_shows_its_own_mirror():

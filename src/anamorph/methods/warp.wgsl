@@ -127,17 +127,20 @@ fn refine(start: Place, side: i32, ray: Ray) -> Lookup {
     return best;
 }
 
-// Whether what lies before the rays' crossing hides what lies beyond it: it is there, and on this ray.
-fn hides(before: Lookup, beyond: Lookup) -> bool {
+// Whether what lies before the rays' crossing hides what lies beyond it: it is there, and on this ray, to half of what
+// a pixel is wide seen from the ray's origin. The nearer to the mirror, the wider that is.
+fn hides(before: Lookup, beyond: Lookup, ray: Ray) -> bool {
     let there = before.point.w != 0.0;
-    return there && (REFINEMENTS == 0 || before.deviation < max(beyond.deviation, projection.base.w));
+    let nearness = length(ray.origin - projection.eye.xyz) / max(length(before.point.xyz - ray.origin), 1e-12);
+    let blur = projection.base.w * max(1.0, 0.5 * nearness);
+    return there && (REFINEMENTS == 0 || before.deviation < max(beyond.deviation, blur));
 }
 
 fn find(start: Place, ray: Ray) -> Lookup {
     var best = refine(start, 0, ray);
     for (var side = 1; side < SIDES; side++) {
         let before = refine(start, side, ray);
-        if hides(before, best) {
+        if hides(before, best, ray) {
             best = before;
         }
     }
@@ -172,7 +175,7 @@ fn found_color(start: Place, ray: Ray, dx: vec2f, dy: vec2f) -> vec3f {
     var color = sampled(beyond.at, 0, dx, dy).rgb;
     for (var side = 1; side < SIDES; side++) {
         let before = refine(start, side, ray);
-        if hides(before, beyond) {
+        if hides(before, beyond, ray) {
             let nearer = sampled(before.at, side, dx, dy);
             color = nearer.rgb + (1.0 - nearer.a) * color;
         }

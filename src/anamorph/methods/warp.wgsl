@@ -183,10 +183,32 @@ fn found_color(start: Place, ray: Ray, dx: vec2f, dy: vec2f) -> vec3f {
     return color;
 }
 
+// Four neighbouring ends lie on one surface where their quadrilateral is all but a parallelogram.
+const EVEN = 0.1;
+
+// Where paths end that go on from a mirror in the map: between the texels' centres where these show one surface.
+fn map_end_at(seen_by: Projection, place: vec2f) -> vec4f {
+    let pixel = place * seen_by.size.xy - 0.5;
+    let low = vec2i(clamp(floor(pixel), vec2f(0.0), seen_by.size.xy - 2.0));
+    let weight = clamp(pixel - vec2f(low), vec2f(0.0), vec2f(1.0));
+    let texel = vec2i(seen_by.size.zw) + low;
+    let a = textureLoad(map_end, texel, 0);
+    let b = textureLoad(map_end, texel + vec2i(1, 0), 0);
+    let c = textureLoad(map_end, texel + vec2i(0, 1), 0);
+    let d = textureLoad(map_end, texel + vec2i(1, 1), 0);
+    let across = length(b.xyz - a.xyz);
+    let along = length(c.xyz - a.xyz);
+    if all(vec3f(b.w, c.w, d.w) == vec3f(a.w)) && length(d.xyz - b.xyz - c.xyz + a.xyz) < EVEN * min(across, along) {
+        return mix(mix(a, b, weight.x), mix(c, d, weight.x), weight.y);
+    }
+    return textureLoad(map_end, map_texel(seen_by, place), 0);
+}
+
 // The path's end: what is found, or what a mirror shows that is found.
 fn end_of(found: Lookup) -> vec4f {
     if is_front(found.point) && textureDimensions(map_end).x > 1u {
-        return textureLoad(map_end, map_texel(maps.views[found.at.view], found.at.place), 0);
+        let end = map_end_at(maps.views[found.at.view], found.at.place);
+        return select(end, vec4f(normalize(end.xyz), 0.0), end.w == 0.0);
     }
     return found.point;
 }

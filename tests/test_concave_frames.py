@@ -71,7 +71,7 @@ def test_the_far_is_reversed_in_a_hollow_mirror_and_the_near_is_not(specificatio
     frame = mirror(-1.9, specification)
     near = np.isin(frame.object_id, things())
     for part, sign in ((near, 1.0), (~near, -1.0)):
-        rows = (frame.specular > 0) & part
+        rows = (frame.specular > 0) & (frame.object_id > 0) & part
         rows &= ~silhouettes(frame.object_id, frame.specular)
         pairs = rows[1:] & rows[:-1] & (frame.object_id[1:] == frame.object_id[:-1])
         rise = (frame.position[:-1, :, 1] - frame.position[1:, :, 1])[pairs]

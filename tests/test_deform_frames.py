@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -54,7 +55,7 @@ def moving():
     scenes = []
     for time in TIMES:
         positions, normals = deformed(time)
-        parts = (slice(start, stop) for start, stop in zip(first, first[1:], strict=False))
+        parts = (slice(start, stop) for start, stop in pairwise(first))
         meshes = tuple(
             replace(mesh, positions=positions[own].copy(), normals=normals[own].copy())
             for mesh, own in zip(scene.meshes, parts, strict=True)

@@ -17,7 +17,7 @@ PICTURES = Path(__file__).resolve().parent / "pictures"
 
 SHOWN = {
     **{f"car-mirror-{name}": ("car-mirror", *drawn) for name, drawn in demo.PICTURES.items()},
-    "car-mirror-overlay": ("car-mirror", "pervertex:antialias=4,mipmaps=true,overlay=true", 1),
+    "car-mirror-overlay": ("car-mirror", "pervertex:antialias=4,mipmaps=true,overlay=mesh", 1),
     "flat-mirror-pervertex": ("flat-mirror", "pervertex:antialias=4,mipmaps=true", 1),
     "room-pervertex": ("room", "pervertex:antialias=4,mipmaps=true", 1),
     "room-raytrace": ("room", "raytrace", 3),

@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 import json
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -309,4 +310,12 @@ def test_a_picture_with_gaps_says_so_and_how_to_fill_them(tmp_path):
     told = run("render", "spheres", *size, directory=tmp_path)
     assert told.returncode == 0
     assert told.stderr.count("\n") == 1 and "--tolerance" in told.stderr
-    quiet_success(run("render", "spheres", "--tolerance", "0.5", *size, directory=tmp_path))
+    quiet_success(run("render", "spheres", "-m", "pervertex:tolerance=0.5", *size, directory=tmp_path))
+
+
+def test_a_tolerance_says_how_the_pixels_got_their_value(tmp_path):
+    told = run("render", "spheres", "--tolerance", "0.5", "--size", "64x48", "-o", "a.png", directory=tmp_path)
+    assert (told.returncode, told.stderr) == (0, "")
+    shares = re.fullmatch(r"pixels of mirrors and lenses: ((?:[a-z ]+ \d+\.\d %(?:, )?)+)\n", told.stdout)
+    assert shares and "traced" in shares[1] and "outside" not in shares[1]
+    assert sum(float(share) for share in re.findall(r"[\d.]+", shares[1])) == pytest.approx(100.0, abs=0.3)

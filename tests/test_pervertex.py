@@ -441,7 +441,7 @@ def test_wrong_options_are_named(specification, word):
 def test_the_overlay_shows_a_red_ball_behind_every_vertex():
     """At each vertex' pixel, or beside it where the wires cross, stands a ball; elsewhere the frame is unchanged."""
     size = (640, 480)
-    plain, overlaid = drawn(CURVED, "pervertex", size), drawn(CURVED, "pervertex:overlay=true", size)
+    plain, overlaid = drawn(CURVED, "pervertex", size), drawn(CURVED, "pervertex:overlay=mesh", size)
     mirror = CURVED.meshes[0]
     _, plan, _ = plan_of(CURVED, size=size)
     places = pixels_of(CAMERA, size, mirror.positions)
@@ -487,7 +487,7 @@ def test_antialiasing_and_mipmaps_change_edges_alone(frame, options):
 
 def test_nothing_is_created_on_the_device_in_the_steady_state(monkeypatch):
     device, made = get_device(), Counter()
-    session = open_view(CURVED, "pervertex:mipmaps=true,overlay=true")
+    session = open_view(CURVED, "pervertex:mipmaps=true,overlay=mesh")
     session.draw(CAMERA)
     session.wait()
     kinds = ("buffer", "buffer_with_data", "texture", "bind_group", "render_pipeline", "sampler", "shader_module")

@@ -20,9 +20,10 @@ from scenes import flat_mirror, surroundings
 from anamorph.frame import Status, View
 from anamorph.measure import compare as compare_module
 from anamorph.measure.compare import Comparison, compare
-from anamorph.measure.figures import ROWS, number, status_shares
+from anamorph.measure.figures import ROWS, number, rows_of
 from anamorph.measure.heatmap import HIGHEST, LOWEST, VIRIDIS, heat_map, scale_colors
 from anamorph.measure.report import report_page, specular_box
+from anamorph.measure.status import status_shares
 from anamorph.measure.table import comparison_table, print_table
 from anamorph.measure.timing import WARM_UP, Timing, eye_path, time_in_turn
 from anamorph.methods.protocol import Method
@@ -127,6 +128,8 @@ def test_the_json_has_the_keys_that_others_rely_on(comparison):
             "rmse",
             "flip",
             "relative_error",
+            "status_percent",
+            "figures",
         }
         assert result["frame_ms"].keys() == {"median", "min", "max", "n"}
         assert result["angular_mrad"].keys() == result["pixels"].keys() == {"median", "p95", "max"}
@@ -214,7 +217,7 @@ def test_the_page_escapes_names_and_shows_every_figure(comparison):
     assert "flat &lt;mirror&gt;" in text
     assert "Fake &amp; Sons (CPU)" in text
     for result in comparison.methods:
-        for row in ROWS:
+        for row in rows_of(comparison):
             assert f"<td>{escape(row.cell(comparison, result))}</td>" in text
     assert "anamorph compare &#x27;flat &lt;mirror&gt;&#x27;" in text
 
@@ -231,11 +234,35 @@ def test_every_picture_is_a_png_with_words_and_every_table_cell_has_a_header(com
             assert (str(picture.width), str(picture.height)) == (image["width"], image["height"])
     scopes = [attributes.get("scope") for tag, attributes in page.tags if tag == "th"]
     assert scopes.count("col") == 3
-    assert scopes.count("row") == len(ROWS)
+    assert scopes.count("row") == len(rows_of(comparison))
 
 
 def test_the_page_says_how_pixels_got_their_value(comparison):
     assert "got their value: warped 100 %" in report_page(comparison)
+
+
+def test_what_methods_tell_of_themselves_stands_in_rows_of_its_own(comparison, capsys):
+    told = ({"maps": 1234.0, "maps_used_percent": 12.345}, {"maps": 2.0, "probes": 0.5}, {})
+    methods = tuple(
+        replace(result, frame=replace(result.frame, figures=figures))
+        for result, figures in zip(comparison.methods, told, strict=True)
+    )
+    full = replace(comparison, methods=methods)
+    cells = {row.label: [row.cell(full, result) for result in methods] for row in rows_of(full)[len(ROWS) :]}
+    assert cells == {
+        "pixels: warped": ["100", "100", "0"],
+        "pixels: traced": ["0", "0", "100"],
+        "maps": ["1,234", "2", "-"],
+        "maps used": ["12.3", "-", "-"],
+        "probes": ["-", "0.500", "-"],
+    }
+    assert [row.unit for row in rows_of(full)[len(ROWS) :]] == ["%", "%", "", "%", ""]
+    figures = json.loads(full.to_json())["methods"]
+    assert [figures[result.name]["figures"] for result in methods] == list(told)
+    assert figures["pervertex"]["status_percent"] == {"warped": 100.0}
+    print_table(comparison_table(full))
+    assert "1,234" in capsys.readouterr().out
+    assert "<td>1,234</td>" in report_page(full)
 
 
 def test_status_shares_count_only_what_they_are_told_to():

@@ -88,6 +88,7 @@ def _render(arguments: argparse.Namespace) -> None:
         check_output(path, (".npy",))
     _check_distinct(arguments.output, *(path for _, path in arguments.seen))
     from anamorph.frame import View
+    from anamorph.measure.status import status_shares
     from anamorph.methods import parse, with_option
     from anamorph.rendering import draw_frame
     from anamorph.scene.opening import open_scene
@@ -110,6 +111,8 @@ def _render(arguments: argparse.Namespace) -> None:
     frame.save(arguments.output)
     for name, path in arguments.seen:
         save_array(path, getattr(frame, name))
+    if arguments.tolerance is not None and frame.specular is not None:
+        print(_shares(status_shares(frame, frame.specular > 0)))
     if frame.outside_share > NOTEWORTHY:
         share = f"{100.0 * frame.outside_share:.0f}% of the mirrors' pixels"
         print(f"anamorph: note: {share} got no reflection and show the sky; try --tolerance 0.5", file=sys.stderr)
@@ -196,6 +199,12 @@ def _face_choice(arguments: argparse.Namespace) -> FaceChoice | None:
     said = {"faces": arguments.faces, "density": arguments.density, "flip": arguments.flip or None}
     said = {name: value for name, value in said.items() if value is not None}
     return FaceChoice(**said) if said else None
+
+
+def _shares(shares: dict[str, float]) -> str:
+    """How the pixels of mirrors and lenses got their value, in one line."""
+    told = ", ".join(f"{status} {share:.1f} %" for status, share in shares.items())
+    return f"pixels of mirrors and lenses: {told or 'none'}"
 
 
 def _check_distinct(*paths: Path) -> None:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from enum import IntEnum
 from pathlib import Path
 
@@ -66,6 +67,8 @@ class Frame:
         itself knows of its error.
     ray_origin, ray_direction : (H, W, 3) float32, optional
         The last ray of each pixel's path, from methods that have one for every pixel.
+    figures : mapping of str to float
+        What the method tells of itself, with the seen buffers: see `SpecularDrawing.figures`.
     """
 
     color: np.ndarray
@@ -76,6 +79,7 @@ class Frame:
     deviation: np.ndarray | None = None
     ray_origin: np.ndarray | None = None
     ray_direction: np.ndarray | None = None
+    figures: Mapping[str, float] = field(default_factory=dict)
 
     @property
     def outside_share(self) -> float:

@@ -1,7 +1,7 @@
-"""The verification overlay: each vertex ray's hit as a ball in the scene, and the wireframe of the ray mesh.
+"""The verification overlay: a ball for each vertex, and the wireframe of the ray mesh.
 
-Where a method is exact at vertices, every ball shows behind a crossing of the wires. Source: Kakimoto et al. 2007,
-Figure 1.
+Where a method is exact at vertices, a ball at each vertex ray's hit shows behind a crossing of the wires. Source:
+Kakimoto et al. 2007, Figure 1.
 """
 
 from __future__ import annotations
@@ -16,6 +16,8 @@ from anamorph.gpu.targets import COLOR_FORMAT
 
 BALL_VERTICES = 6 * 10 * 6
 
+BALL_BYTES = 4 * 7
+
 
 class Overlay:
     """Balls and wires for one mesh of vertices (V, 3) and faces (F, 3), drawn with `samples` a pixel."""
@@ -24,7 +26,7 @@ class Overlay:
         edges = np.sort(np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]]), axis=1)
         ends = np.asarray(positions, np.float32)[np.unique(edges, axis=0)].reshape(-1, 3)
         self._count, self._wire_count = len(positions), len(ends)
-        self._balls = storage_buffer(np.zeros((len(positions), 4), np.float32), wgpu.BufferUsage.VERTEX)
+        self._balls = storage_buffer(np.zeros((len(positions), 7), np.float32), wgpu.BufferUsage.VERTEX)
         self._ends = storage_buffer(ends, wgpu.BufferUsage.VERTEX)
         module = shader_module("gpu/overlay.wgsl")
         self._ball_pipeline = make_pipeline(
@@ -32,7 +34,7 @@ class Overlay:
             "ball_vertex",
             "ball_color",
             (COLOR_FORMAT,),
-            buffers=(_points("float32x4", 16, "instance"),),
+            buffers=(_buffer(BALL_BYTES, "instance", ("float32x4", 0), ("float32x3", 16)),),
             samples=samples,
         )
         self._wire_pipeline = make_pipeline(
@@ -40,14 +42,14 @@ class Overlay:
             "wire_vertex",
             "wire_color",
             (COLOR_FORMAT,),
-            buffers=(_points("float32x3", 12, "vertex"),),
+            buffers=(_buffer(12, "vertex", ("float32x3", 0)),),
             samples=samples,
             topology="line-list",
         )
 
-    def place(self, centers: np.ndarray, radii: np.ndarray) -> None:
-        """Put a ball at each of `centers` (V, 3), of `radii` (V,) metres; 0 hides it."""
-        get_device().queue.write_buffer(self._balls, 0, np.column_stack([centers, radii]).astype(np.float32))
+    def place(self, centers: np.ndarray, radii: np.ndarray, colors: np.ndarray) -> None:
+        """Put a ball at each of `centers` (V, 3), of `radii` (V,) metres and of `colors` (V, 3); radius 0 hides it."""
+        get_device().queue.write_buffer(self._balls, 0, np.column_stack([centers, radii, colors]).astype(np.float32))
 
     def draw_balls(self, render_pass: wgpu.GPURenderPassEncoder) -> None:
         """Draw the balls; the shading and projection groups are bound."""
@@ -62,9 +64,13 @@ class Overlay:
         render_pass.draw(self._wire_count)
 
 
-def _points(form: str, stride: int, step: str) -> dict:
+def _buffer(stride: int, step: str, *attributes: tuple[str, int]) -> dict:
+    """A vertex buffer's layout, from the form and the offset of each attribute."""
     return {
         "array_stride": stride,
         "step_mode": step,
-        "attributes": [{"shader_location": 0, "format": form, "offset": 0}],
+        "attributes": [
+            {"shader_location": location, "format": form, "offset": offset}
+            for location, (form, offset) in enumerate(attributes)
+        ],
     }

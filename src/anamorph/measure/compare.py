@@ -10,6 +10,7 @@ from typing import Any
 from anamorph.frame import Frame, View
 from anamorph.gpu.device import adapter_name
 from anamorph.measure.errors import Errors, measure
+from anamorph.measure.status import status_shares
 from anamorph.measure.timing import Timing, eye_path, time_in_turn
 from anamorph.methods import parse
 from anamorph.methods.protocol import Session
@@ -94,6 +95,8 @@ class Comparison:
                     "rmse": result.errors.rmse,
                     "flip": result.errors.flip,
                     "relative_error": result.errors.relative_error,
+                    "status_percent": status_shares(result.frame, result.errors.maps.specular),
+                    "figures": dict(result.frame.figures),
                 }
                 for result in self.methods
             },

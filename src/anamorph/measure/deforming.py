@@ -31,7 +31,7 @@ from anamorph.scene.scenefile import DEFAULT_SIZE
 COMPETITORS = ("raytrace:tree=refit", "raytrace:tree=rebuild")
 """The ray tracer with both ways to follow the motion; the faster one is what every time is compared with."""
 
-DEFAULT = ("pervertex:refine=3",)
+DEFAULT = "pervertex:start=direction,refine=1"
 
 RATE = 30.0
 """Frames of the motion in a second."""

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from anamorph.frame import Frame, Status
 from anamorph.measure.compare import COMPETITOR, Comparison, MethodResult
+from anamorph.measure.status import STATUS_NAMES, status_shares
 
 NOTHING = "-"
 """Stands where there is nothing to measure."""
@@ -36,6 +36,11 @@ def number(value: float | None) -> str:
         return f"< {SMALLEST:.5f}"
     decimals = max(0, 2 - int(np.floor(np.log10(abs(value)))))
     return f"{value:,.{min(decimals, 5)}f}"
+
+
+def count_or_number(value: float | None) -> str:
+    """A whole number in full, and any other figure as `number` has it."""
+    return f"{value:,.0f}" if value is not None and float(value).is_integer() else number(value)
 
 
 def speed(comparison: Comparison, result: MethodResult) -> str:
@@ -73,10 +78,18 @@ ROWS = (
 )
 
 
-def status_shares(frame: Frame, counted: np.ndarray) -> dict[str, float]:
-    """How the counted pixels (H, W) of a frame got their value: percent by status, the largest first."""
-    if frame.status is None or not counted.any():
-        return {}
-    counts = np.bincount(frame.status[counted], minlength=len(Status))
-    shares = {status.name.lower().replace("_", " "): 100.0 * counts[status] / counted.sum() for status in Status}
-    return {name: float(share) for name, share in sorted(shares.items(), key=lambda item: -item[1]) if share > 0.0}
+def rows_of(comparison: Comparison) -> tuple[Row, ...]:
+    """All rows of one comparison: `ROWS`, how the pixels got their value, and what the methods tell of themselves."""
+    shares = {result.name: status_shares(result.frame, result.errors.maps.specular) for result in comparison.methods}
+    given = {status for share in shares.values() for status in share}
+    statuses = [status for status in STATUS_NAMES if status in given]
+    told = dict.fromkeys(name for result in comparison.methods for name in result.frame.figures)
+
+    def status_row(status: str) -> Row:
+        return Row(f"pixels: {status}", "%", lambda _, result: number(shares[result.name].get(status, 0.0)))
+
+    def figure_row(name: str) -> Row:
+        label, unit = name.removesuffix("_percent"), "%" if name.endswith("_percent") else ""
+        return Row(label.replace("_", " "), unit, lambda _, result: count_or_number(result.frame.figures.get(name)))
+
+    return (*ROWS, *map(status_row, statuses), *map(figure_row, told))

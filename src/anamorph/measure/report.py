@@ -10,8 +10,9 @@ from string import Template
 import numpy as np
 
 from anamorph.measure.compare import Comparison, MethodResult
-from anamorph.measure.figures import ROWS, number, status_shares
+from anamorph.measure.figures import number, rows_of
 from anamorph.measure.heatmap import HIGHEST, LOWEST, TICKS, VIRIDIS, heat_map
+from anamorph.measure.status import status_shares
 from anamorph.output import pixel_bytes, to_pixels
 
 MARGIN = 12
@@ -56,7 +57,7 @@ def _head(comparison: Comparison) -> str:
 
 def _rows(comparison: Comparison) -> str:
     rows = []
-    for row in ROWS:
+    for row in rows_of(comparison):
         cells = "".join(f"<td>{escape(row.cell(comparison, result))}</td>" for result in comparison.methods)
         rows.append(f'<tr><th scope="row">{escape(row.label)} <small>{escape(row.unit)}</small></th>{cells}</tr>')
     return "\n".join(rows)

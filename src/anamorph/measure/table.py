@@ -7,7 +7,7 @@ from rich.table import Table
 from rich.text import Text
 
 from anamorph.measure.compare import Comparison
-from anamorph.measure.figures import ROWS, number
+from anamorph.measure.figures import number, rows_of
 
 
 def comparison_table(comparison: Comparison) -> Table:
@@ -26,7 +26,7 @@ def comparison_table(comparison: Comparison) -> Table:
     table.add_column("unit")
     for result in comparison.methods:
         table.add_column(Text(result.name), justify="right", overflow="fold")
-    for row in ROWS:
+    for row in rows_of(comparison):
         table.add_row(row.label, row.unit, *(row.cell(comparison, result) for result in comparison.methods))
     return table
 

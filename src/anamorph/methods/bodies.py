@@ -35,7 +35,7 @@ class Side:
     smooth : (F,) bool
         Whether the true surface lies off the triangle.
     behind : (V,) float64
-        How far behind each vertex something else of the scene stands; infinite for nothing.
+        How far behind each vertex something else of the scene stands; infinite for nothing, 0 where the body has a frame.
     covered : (V,) float64
         How high a rim that lies on it rises over each vertex; 0 for none.
     edge : int
@@ -154,19 +154,40 @@ def bodies_of(scene: Scene, geometry: Geometry, world: World) -> tuple[Body, ...
 
 
 def connected_mirrors(scene: Scene) -> list[tuple[int, ...]]:
-    """Indices of the mirror meshes, those together that share two vertices or more."""
+    """Indices of the mirror meshes, those of one body together.
+
+    These share two vertices or more, or their names agree before the first "/" and the boxes around them touch.
+    """
     mirrors = [index for index, mesh in enumerate(scene.meshes) if isinstance(mesh.material, Mirror)]
     if not mirrors:
         return []
-    positions = np.concatenate([np.asarray(scene.meshes[index].positions, float) for index in mirrors])
-    owner = np.repeat(np.arange(len(mirrors)), [len(scene.meshes[index].positions) for index in mirrors])
+    parts = [np.asarray(scene.meshes[index].positions, float) for index in mirrors]
+    positions = np.concatenate(parts)
+    owner = np.repeat(np.arange(len(mirrors)), [len(part) for part in parts])
+    touching = coo_array((np.ones(len(owner)), (owner, welded(positions)))).tocsr()
+    touching.data[:] = 1.0
+    shared = (touching @ touching.T).toarray() >= 2
+    lows, highs = np.stack([part.min(axis=0) for part in parts]), np.stack([part.max(axis=0) for part in parts])
+    boxes = ((lows[:, None] <= highs) & (lows <= highs[:, None])).all(axis=2)
+    names = np.array([scene.meshes[index].name.split("/")[0] for index in mirrors])
+    _, label = connected_components(coo_array(shared | (boxes & (names[:, None] == names))), directed=False)
+    return [tuple(mirrors[i] for i in np.flatnonzero(label == each)) for each in range(label.max() + 1)]
+
+
+def welded(positions: np.ndarray) -> np.ndarray:
+    """Numbers of places, (N,), the same for `positions` (N, 3) within a millionth of their extent."""
     grid = 1e-6 * (float(np.ptp(positions, axis=0).max()) or 1.0)
     _, place = np.unique(np.rint(positions / grid).astype(np.int64), axis=0, return_inverse=True)
-    touching = coo_array((np.ones(len(owner)), (owner, place.ravel()))).tocsr()
-    touching.data[:] = 1.0
-    shared = (touching @ touching.T) >= 2
-    _, label = connected_components(shared, directed=False)
-    return [tuple(mirrors[i] for i in np.flatnonzero(label == each)) for each in range(label.max() + 1)]
+    return place.ravel()
+
+
+def border_vertices(optics: Reflector) -> np.ndarray:
+    """The vertices, (B,), on edges that one triangle alone has."""
+    place = welded(optics.positions)[optics.faces]
+    edges = np.sort(np.concatenate([place[:, pair] for pair in ([0, 1], [1, 2], [2, 0])]), axis=1)
+    _, kind, uses = np.unique(edges, axis=0, return_inverse=True, return_counts=True)
+    vertices = np.concatenate([optics.faces[:, pair] for pair in ([0, 1], [1, 2], [2, 0])])
+    return np.unique(vertices[uses[kind.ravel()] == 1])
 
 
 def _mirror_side(scene: Scene, geometry: Geometry, world: World, group: Sequence[int]) -> Side:
@@ -181,6 +202,9 @@ def _mirror_side(scene: Scene, geometry: Geometry, world: World, group: Sequence
     smooth = np.repeat(exact, [len(part.faces) for part in parts])
     own = tuple(index + 1 for index in group)
     behind = world.behind(optics.positions, optics.normals, own)
+    border = border_vertices(optics)
+    if world.bordered(optics.positions, border, optics.normals[border], own):
+        behind = np.zeros_like(behind)
     covered = world.covered(optics.positions, optics.normals)
     return Side(tuple(group), optics, _triangles(geometry, group), smooth, behind, covered)
 

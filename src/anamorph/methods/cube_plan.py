@@ -74,7 +74,8 @@ def plan_cube(sight: Sight, faces: np.ndarray, hider: np.ndarray, world: World, 
         length = np.linalg.norm(rays.directions, axis=1) if options.projective else np.ones(len(rays.directions))
         lookups.append(np.column_stack([length[:, None] * towards, valid]))
         found.append((hits, distances))
-    needed, bounds = _needed(np.concatenate([each[corners][each[corners, 3].all(axis=1), :, :3] for each in lookups]))
+    shown = [len(vertices) * number + corners[each[corners, 3].all(axis=1)] for number, each in enumerate(lookups)]
+    needed, bounds = _needed(np.concatenate(lookups)[:, :3], np.concatenate(shown))
     if not len(needed):
         return None
     projections = tuple(
@@ -120,12 +121,11 @@ def _near(
     # Half the way to what stands behind: between the vertices it may be nearer.
     room = np.where(np.isfinite(behind)[:, None], np.maximum(outward @ FORWARD.T, 0.0), 0.0)
     clear = np.where(room > 0.5, depths - 0.5 * np.where(np.isfinite(behind), behind, 0.0)[:, None] * room, -np.inf)
-    met = _met(rays.unit_directions()[corners])
+    met = _met(rays.unit_directions(), corners) & facing
     near = np.full(6, NEAREST * size)
     for face in range(6):
-        shown = np.unique(corners[met[:, face]])
-        shown = shown[facing[shown]]
-        if len(shown):
+        shown = met[face]
+        if shown.any():
             level = max(depths[shown, face].min() - CLEARANCE * size, clear[shown, face].max())
             near[face] = max(min(level, depths[shown, face].max() + CLEARANCE * size), near[face])
     return near
@@ -142,27 +142,40 @@ def _near_crossings(origins: np.ndarray, directions: np.ndarray, viewpoint: np.n
     return ways
 
 
-def _met(corners: np.ndarray) -> np.ndarray:
-    """Which faces of a cube triangles of directions, (F, 3, 3), may reach, (F, 6) bool.
+def _met(directions: np.ndarray, corners: np.ndarray) -> np.ndarray:
+    """Which vertices have triangles that may reach each face of a cube, (6, V) bool.
 
-    Out of reach are those of which all corners lie on the other side of one of the planes through a face's borders.
+    Out of reach is a triangle of which all corners lie on the other side of one of the planes through a face's borders.
+
+    Parameters
+    ----------
+    directions : (V, 3) float64
+    corners : (F, 3) int
     """
-    ahead, right, up = (1.0 + OVERLAP + MARGIN) * corners @ FORWARD.T, corners @ RIGHT.T, corners @ UP.T
-    return np.all([(ahead + side >= 0.0).any(axis=1) for side in (right, -right, up, -up)], axis=0)
+    met = np.zeros((6, len(directions)), bool)
+    for face in range(6):
+        ahead = (1.0 + OVERLAP + 0.5 * MARGIN) * FORWARD[face, face // 2] * directions[:, face // 2]
+        side, other = np.delete(directions, face // 2, axis=1).T
+        inner = np.zeros(len(directions), np.uint8)
+        for bit, way in enumerate((side, -side, other, -other)):
+            inner |= (ahead + way >= 0.0).astype(np.uint8) << bit
+        reaching = (inner[corners[:, 0]] | inner[corners[:, 1]] | inner[corners[:, 2]]) == 0b1111
+        met[face, corners[reaching]] = True
+    return met
 
 
-def _needed(corners: np.ndarray) -> tuple[list[int], np.ndarray]:
-    """The faces that triangles of directions (F, 3, 3) reach, N of them, and which part of each, (N, 2, 2) tangents."""
-    met = _met(corners)
-    needed = [face for face in range(6) if met[:, face].any()]
+def _needed(directions: np.ndarray, corners: np.ndarray) -> tuple[list[int], np.ndarray]:
+    """The faces that triangles of directions reach, N of them, and which part of each, (N, 2, 2) tangents."""
+    met = _met(directions, corners)
+    needed = np.flatnonzero(met.any(axis=1)).tolist()
     bounds = np.empty((len(needed), 2, 2))
     bounds[:, 0], bounds[:, 1] = -1.0 - OVERLAP, 1.0 + OVERLAP
     for face, (low, high) in zip(needed, bounds, strict=True):
-        inside = corners[met[:, face]].reshape(-1, 3)
-        ahead = inside @ FORWARD[face]
+        reaching = directions[met[face]]
+        ahead = reaching @ FORWARD[face]
         # A triangle that reaches behind the face may cross all of it.
-        if (ahead > 0.1 * np.linalg.norm(inside, axis=1)).all():
-            places = np.column_stack([inside @ RIGHT[face], inside @ UP[face]]) / ahead[:, None]
+        if (ahead > 0.1 * np.linalg.norm(reaching, axis=1)).all():
+            places = np.column_stack([reaching @ RIGHT[face], reaching @ UP[face]]) / ahead[:, None]
             low[:], high[:] = (
                 np.maximum(low, places.min(axis=0) - MARGIN),
                 np.minimum(high, places.max(axis=0) + MARGIN),

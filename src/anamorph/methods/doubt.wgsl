@@ -3,34 +3,48 @@
 // In distances from the eye to the surface: nearer nothing is expected.
 const NEAREST_PROBE = 0.02;
 const MOST_PROBES = 24.0;
+// How close to the crossing of its rays a map is asked.
+const NEAREST_CROSSING = 0.02;
 const UNKNOWN = 1e6;
 
-// Whether the ray passes behind something as the map sees it, before it reaches what was found: what the map cannot
-// tell then is whether it passes behind or through. In the map the way there is a short straight line.
-fn hidden_on_the_way(ray: Ray, found: Lookup) -> bool {
-    let view = select(0, found.at.view, CUBE == 1 || SIDES > 1);
-    let sky = found.point.w == 0.0;
-    let first = NEAREST_PROBE * length(ray.origin - projection.eye.xyz);
-    let last = select(max(length(found.point.xyz - ray.origin), first), 0.0, sky);
-    var from_clip = maps.views[view].clip * vec4f(ray.origin + first * ray.direction, 1.0);
-    let to_clip = maps.views[view].clip * vec4f(last * ray.direction + select(ray.origin, ray.direction, sky), select(1.0, 0.0, sky));
-    if SIDES > 1 && from_clip.w < NEAREST_PROBE * to_clip.w {
-        // Only from beyond the crossing of the rays.
-        let share = (NEAREST_PROBE * to_clip.w - from_clip.w) / (to_clip.w - from_clip.w);
-        from_clip = mix(from_clip, to_clip, clamp(share, 0.0, 1.0));
-    }
-    let line = (to_clip.xy / to_clip.w - from_clip.xy / from_clip.w) * 0.5 * maps.views[view].size.xy;
-    let probes = clamp(ceil(length(line)), 1.0, MOST_PROBES);
+// Whether a map sees something nearer on the straight line, in the map, between two points in clip space.
+fn hidden_between(view: i32, first: vec4f, last: vec4f) -> bool {
+    // Only where the map looks: rays that converge have a map on either side of their crossing.
+    let least = NEAREST_CROSSING * max(first.w, last.w);
+    let steepness = select(last.w - first.w, 1.0, last.w == first.w);
+    let crossing = clamp((least - first.w) / steepness, 0.0, 1.0);
+    let start = select(first, mix(first, last, crossing), first.w < least);
+    let end = select(last, mix(first, last, crossing), last.w < least);
+    let size = maps.views[view].size.xy;
+    let probes = clamp(ceil(length((end.xy / end.w - start.xy / start.w) * 0.5 * size)), 1.0, MOST_PROBES);
     var hidden = false;
     for (var probe = 0.5; probe < probes; probe += 1.0) {
         // Equal steps in the map are not equal steps along the ray.
-        let part = probe / probes * from_clip.w;
-        let clip = mix(from_clip, to_clip, part / (part + (1.0 - probe / probes) * to_clip.w));
+        let share = probe / probes;
+        let clip = mix(start, end, share * start.w / (share * start.w + (1.0 - share) * end.w));
         let place = clip.xy / clip.w * vec2f(0.5, -0.5) + 0.5;
         let depth = textureLoad(map_depth, map_texel(maps.views[view], place), 0);
         let inside = clip.w > 0.0 && clip.z < clip.w && all(place >= vec2f(0.0)) && all(place <= vec2f(1.0));
-        // Depth is reversed: the map sees something nearer than the ray where its depth is greater.
-        hidden = hidden || (inside && depth.x > clip.z / clip.w * 1.001 + 2.0 * (abs(depth.y) + abs(depth.z)));
+        // Depth is reversed: the map sees something nearer than the ray where its depth is greater. The sky is nowhere
+        // nearer.
+        let nearer = depth.x > clip.z / clip.w * 1.001 + 2.0 * (abs(depth.y) + abs(depth.z));
+        hidden = hidden || (inside && depth.w > 0.0 && nearer);
+    }
+    return hidden && max(first.w, last.w) > 0.0;
+}
+
+// Whether the ray passes behind something as the maps see it, before it reaches what was found: what a map cannot tell
+// then is whether it passes behind or through.
+fn hidden_on_the_way(ray: Ray, found: Lookup) -> bool {
+    let sky = found.point.w == 0.0;
+    let nearest = NEAREST_PROBE * length(ray.origin - projection.eye.xyz);
+    let distance = max(length(found.point.xyz - ray.origin), nearest);
+    let first = vec4f(ray.origin + nearest * ray.direction, 1.0);
+    let last = select(vec4f(ray.origin + distance * ray.direction, 1.0), vec4f(ray.direction, 0.0), sky);
+    var hidden = false;
+    for (var side = 0; side < SIDES; side++) {
+        let view = select(side, found.at.view, CUBE == 1);
+        hidden = hidden || hidden_between(view, maps.views[view].clip * first, maps.views[view].clip * last);
     }
     return hidden;
 }
@@ -60,8 +74,7 @@ fn error_in_pixels(ray: Ray, right_of: Ray, below: Ray, found: Lookup, valid: bo
     return select(UNKNOWN, length(step), known);
 }
 
-@fragment
-fn reflector_error(fragment: ReflectorFragment) -> @location(0) f32 {
+fn reflector_doubt(fragment: ReflectorFragment) -> f32 {
     let ray = reflection(fragment).ray;
     let right = Ray(dpdx(ray.origin), dpdx(ray.direction));
     let below = Ray(dpdy(ray.origin), dpdy(ray.direction));
@@ -69,11 +82,43 @@ fn reflector_error(fragment: ReflectorFragment) -> @location(0) f32 {
     return error_in_pixels(ray, right, below, find(start, ray), inside_map(start, fragment.lookup.w));
 }
 
-@fragment
-fn refractor_error(fragment: RefractorFragment) -> @location(0) f32 {
+fn refractor_doubt(fragment: RefractorFragment) -> f32 {
     let ray = refraction(fragment.origin_green, fragment.direction_green);
     let right = Ray(dpdx(ray.origin), dpdx(ray.direction));
     let below = Ray(dpdy(ray.origin), dpdy(ray.direction));
     let start = start_of(fragment.lookup_green);
     return error_in_pixels(ray, right, below, find(start, ray), way_of(fragment, start) == LEAVES);
+}
+
+@fragment
+fn reflector_error(fragment: ReflectorFragment) -> @location(0) f32 {
+    return reflector_doubt(fragment);
+}
+
+@fragment
+fn refractor_error(fragment: RefractorFragment) -> @location(0) f32 {
+    return refractor_doubt(fragment);
+}
+
+// The overlay of what doubts itself: from yellow at one pixel to red at HIGHEST, and violet where it cannot say.
+const HIGHEST = 100.0;
+const LEAST_COLOR = vec3f(1.0, 0.8, 0.0);
+const MOST_COLOR = vec3f(0.8, 0.0, 0.0);
+const UNKNOWN_COLOR = vec3f(0.35, 0.0, 0.8);
+const TINTED = 0.75;
+
+fn tinted(color: vec4f, error: f32) -> vec4f {
+    let scale = mix(LEAST_COLOR, MOST_COLOR, clamp(log(max(error, 1.0)) / log(HIGHEST), 0.0, 1.0));
+    let tint = select(scale, UNKNOWN_COLOR, error >= UNKNOWN);
+    return vec4f(mix(color.rgb, tint, select(0.0, TINTED, error > 1.0)), color.a);
+}
+
+@fragment
+fn reflector_inconsistency(fragment: ReflectorFragment) -> @location(0) vec4f {
+    return tinted(reflected_color(fragment), reflector_doubt(fragment));
+}
+
+@fragment
+fn refractor_inconsistency(fragment: RefractorFragment) -> @location(0) vec4f {
+    return tinted(refracted_color(fragment), refractor_doubt(fragment));
 }

@@ -223,6 +223,10 @@ class CubeDrawing:
             for index in item.indices:
                 draw_mesh(render_pass, self._stage.buffers, index)
 
+    def figures(self) -> dict[str, float]:
+        """Nothing but what the frame shows."""
+        return {}
+
     def rays(self) -> None:
         """The method knows directions, not rays."""
         return None

@@ -92,8 +92,9 @@ fn edge_color(fragment: RefractorFragment) -> vec3f {
 
 fn refracted_color(fragment: RefractorFragment) -> vec4f {
     let green = start_of(fragment.lookup_green);
-    let dx = dpdx(green.place);
-    let dy = dpdy(green.place);
+    let towards = normalize(fragment.lookup_green.xyz);
+    let dx = start_change(green, dpdx(towards), dpdx(green.place));
+    let dy = start_change(green, dpdy(towards), dpdy(green.place));
     let tint = objects[fragment.object.x - 1u].tint;
     var color = found_color(green, refraction(fragment.origin_green, fragment.direction_green), dx, dy);
     if (fragment.object.y & THREE_COLORS) != 0u {

@@ -64,9 +64,9 @@ class PathTracer:
 
     def moved(self, geometry: Geometry) -> None:
         """Follow the scene's vertices to where they are in `geometry`; its caster has followed already."""
-        moved = {"positions": geometry.positions, "normals": geometry.normals, "near": self._caster.near}
         self._red, self._green, self._blue = (
-            world._replace(**moved) for world in (self._red, self._green, self._blue)
+            world._replace(positions=geometry.positions, normals=geometry.normals, near=self._caster.near)
+            for world in (self._red, self._green, self._blue)
         )
 
     def trace(

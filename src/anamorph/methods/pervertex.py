@@ -20,16 +20,16 @@ from anamorph.frame import View
 from anamorph.gpu.atlas import MapKind
 from anamorph.gpu.device import get_device
 from anamorph.gpu.drawing import bind_scene, make_pipeline, shader_module, submit
-from anamorph.gpu.overlay import Overlay
 from anamorph.gpu.targets import COLOR_FORMAT, MAP_FORMATS, SEEN_FORMATS, Target, begin_pass, make_texture, read_texture
 from anamorph.methods.bodies import bodies_of
 from anamorph.methods.level import Level, level_layout
+from anamorph.methods.marks import OVERLAYS, Marks
 from anamorph.methods.mend import Mender, doubtful_tiles
-from anamorph.methods.pictures import Picture, PictureOptions, Pictures, Seen
+from anamorph.methods.pictures import Picture, PictureOptions, Pictures
 from anamorph.methods.protocol import Method, Session
 from anamorph.methods.session import DrawingSession, Stage
 from anamorph.methods.warp import PlanOptions
-from anamorph.methods.world import world_of
+from anamorph.methods.world import World, world_of
 from anamorph.optics.tessellation import refined_scene
 from anamorph.scene.camera import Camera
 from anamorph.scene.geometry import Geometry
@@ -42,9 +42,6 @@ RAY_SHARE = 0.25
 """The share of the tolerance that a fragment's own ray may take up."""
 
 ERROR_FORMAT = "r32float"
-
-BALL_PIXELS = 18.0
-"""Radius of the overlay's balls where nothing magnifies or reduces them."""
 
 
 @dataclass(frozen=True)
@@ -78,8 +75,10 @@ class Options:
     tolerance : float
         Pixels: where what a fragment shows may be further than this from what it should, its tile of the picture is
         traced. 0 traces nothing. At least three refinements go before.
-    overlay : bool
-        Whether to draw the mirror's wireframe and a ball at each vertex ray's hit, as the paper's Figure 1.
+    overlay : str
+        What to draw over the picture: "none"; "mesh", the mirror's wireframe and a ball at each vertex ray's hit, as
+        the paper's Figure 1; "inconsistency", the fragments and the vertices that may not show what their rays meet,
+        its Figure 16.
     """
 
     antialias: int = 1
@@ -93,7 +92,7 @@ class Options:
     refine: int = 0
     start: str = "vertices"
     tolerance: float = 0.0
-    overlay: bool = False
+    overlay: str = "none"
 
 
 OUTPUTS: dict[str, tuple[str, ...]] = {
@@ -103,8 +102,12 @@ OUTPUTS: dict[str, tuple[str, ...]] = {
     "end": MAP_FORMATS,
     "seen": SEEN_FORMATS,
     "error": (ERROR_FORMAT,),
+    "inconsistency": (COLOR_FORMAT,),
 }
 """What the shaders' fragment functions are called after, and the targets that they write."""
+
+PICTURED = ("color", "inconsistency")
+"""What is drawn into the picture itself."""
 
 IN_MAPS = {MapKind.COLOR: "color", MapKind.DEPTH: "depth", MapKind.BOTH: "color_and_depth", MapKind.END: "end"}
 
@@ -137,12 +140,7 @@ class PerVertexDrawing:
         )
         self._picture: Picture | None = None
         self._camera: Camera | None = None
-        self._overlays = {
-            side: Overlay(side.optics.positions, side.optics.faces, options.antialias)
-            for body in bodies
-            for side in body.sides
-            if options.overlay
-        }
+        self._marks = Marks(bodies, options.overlay, options.antialias) if options.overlay != "none" else None
         module = shader_module(
             "gpu/vertices.wgsl", "gpu/map.wgsl",
             *(f"methods/{name}.wgsl" for name in ("warp", "pervertex", "lens", "doubt")),
@@ -159,7 +157,7 @@ class PerVertexDrawing:
                 OUTPUTS[output],
                 buffers=(),
                 groups=(layout,),
-                samples=options.antialias if output == "color" else 1,
+                samples=options.antialias if output in PICTURED else 1,
                 cull="back",
                 depth_compare="equal" if output == "error" else "greater",
                 constants={**constants, "SIDES": sides, "CUBE": int(cube)},
@@ -181,20 +179,32 @@ class PerVertexDrawing:
         self._pictures.moved(self._world)
         self._camera = None
 
+    @property
+    def world(self) -> World:
+        """What the rays may hit."""
+        return self._world
+
+    def plan(self, camera: Camera) -> Picture | None:
+        """Plan all maps (steps 1 to 3) for a frame from `camera`; None where no mirror or lens is seen."""
+        balls = self._draw_balls if self._marks is not None else None
+        eye = camera.eye(self._stage.view.size)
+        self._picture = self._pictures.plan(eye, np.asarray(camera.position, float), balls)
+        return self._picture
+
     def prepare(self, encoder: wgpu.GPUCommandEncoder, camera: Camera, shift: tuple[float, float]) -> None:
         """Steps 1 to 3: plan all maps, and draw them; where nothing has moved, the last ones serve."""
         if camera == self._camera:
             return
         self._camera = camera
-        size = self._stage.view.size
-        balls = self._draw_balls if self._overlays else None
-        self._picture = self._pictures.plan(camera.eye(size), np.asarray(camera.position, float), balls)
-        for seen in self._picture.seen if self._overlays and self._picture is not None else ():
-            self._overlays[seen.sight.side].place(seen.hits, _ball_radii(seen, camera, size))
-        looks = self._options.refine > 0 or self._mender is not None
+        self.plan(camera)
+        if self._marks is not None:
+            self._marks.place(self._picture, camera, self._stage.view.size, self._world)
+        looks = self._options.refine > 0 or self._mender is not None or self._options.overlay == "inconsistency"
         kinds: Sequence[MapKind] = (MapKind.COLOR,)
         if looks:
-            kinds = (MapKind.BOTH,) if self._options.antialias == 1 else (MapKind.COLOR, MapKind.DEPTH)
+            # The balls have colour, and no depth that could be taken for the scene's.
+            at_once = self._options.antialias == 1 and self._marks is None
+            kinds = (MapKind.BOTH,) if at_once else (MapKind.COLOR, MapKind.DEPTH)
         self._pictures.draw_maps(encoder, self._stage.buffers, kinds)
 
     def complete(self, target: Target, camera: Camera, shift: tuple[float, float]) -> None:
@@ -218,11 +228,9 @@ class PerVertexDrawing:
 
     def draw_color(self, render_pass: wgpu.GPURenderPassEncoder) -> None:
         """Step 4: the mirrors and lenses, with their maps."""
-        self._draw(self._picture, "color", render_pass)
-        if self._overlays and self._picture is not None:
-            for seen in self._picture.seen:
-                self._overlays[seen.sight.side].draw_balls(render_pass)
-                self._overlays[seen.sight.side].draw_wires(render_pass)
+        self._draw(self._picture, "inconsistency" if self._options.overlay == "inconsistency" else "color", render_pass)
+        if self._marks is not None:
+            self._marks.draw(self._picture, render_pass)
 
     def draw_seen(self, render_pass: wgpu.GPURenderPassEncoder) -> None:
         """The mirrors' and lenses' seen buffers."""
@@ -246,20 +254,16 @@ class PerVertexDrawing:
         self._draw(picture, IN_MAPS[kind], render_pass)
 
     def _draw_balls(self, kind: MapKind, render_pass: wgpu.GPURenderPassEncoder) -> None:
-        if kind == MapKind.COLOR and self._picture is not None:
-            for seen in self._picture.seen:
-                self._overlays[seen.sight.side].draw_balls(render_pass)
+        if kind == MapKind.COLOR and self._marks is not None:
+            self._marks.draw_in_map(self._picture, render_pass)
+
+    def figures(self) -> dict[str, float]:
+        """How many maps the last frame took, their texels, and the share of these that is looked up."""
+        return self._pictures.figures()
 
     def rays(self) -> None:
         """There is no ray for a pixel between vertices."""
         return None
-
-
-def _ball_radii(seen: Seen, camera: Camera, size: tuple[int, int]) -> np.ndarray:
-    """Radii that make each hit's ball a few pixels large on the way to the eye; 0 in the sky."""
-    pixel = 2.0 * np.tan(np.radians(camera.field_of_view) / 2.0) / size[1]
-    way = np.linalg.norm(seen.sight.side.optics.positions - camera.position, axis=1) + seen.distances
-    return np.where(np.isfinite(way), BALL_PIXELS * pixel * way, 0.0)
 
 
 def open_session(view: View, options: Options) -> Session:
@@ -278,6 +282,12 @@ def open_session(view: View, options: Options) -> Session:
         raise AnamorphError(f"pervertex: bounces is {options.bounces}; give a number from 1 to {MAXIMUM_BOUNCES}")
     if options.start not in ("vertices", "direction"):
         raise AnamorphError(f"pervertex: start is {options.start!r}; give vertices or direction")
+    if options.overlay not in OVERLAYS:
+        raise AnamorphError(
+            f"pervertex: overlay is {options.overlay!r}; give {', '.join(OVERLAYS[:-1])} or {OVERLAYS[-1]}"
+        )
+    if options.start == "direction" and options.overlay != "none":
+        raise AnamorphError("pervertex: an overlay needs the vertex rays; give start=vertices")
     if options.start == "direction" and options.tolerance > 0.0:
         raise AnamorphError("pervertex: a tolerance needs the vertex rays; give start=vertices")
     if not 0.0 <= options.tolerance < float("inf"):

@@ -79,7 +79,10 @@ fn reflection(fragment: ReflectorFragment) -> Reflection {
 fn reflected_color(fragment: ReflectorFragment) -> vec4f {
     let mirror = reflection(fragment);
     let start = start_of(fragment.lookup);
-    let seen = found_color(start, mirror.ray, dpdx(start.place), dpdy(start.place));
+    let way = normalize(fragment.lookup.xyz);
+    let dx = start_change(start, dpdx(way), dpdx(start.place));
+    let dy = start_change(start, dpdy(way), dpdy(start.place));
+    let seen = found_color(start, mirror.ray, dx, dy);
     if !inside_map(start, fragment.lookup.w) {
         return vec4f(specular_stand_in(fragment.object.x, mirror.normal, mirror.incident, projection.base.w), 1.0);
     }

@@ -53,6 +53,8 @@ class Seen:
         How far that is; infinite for the sky, and where no map shows the vertex.
     plans : tuple of MapPlan
         Of its patches.
+    patches : tuple of int arrays
+        The faces of each, by their numbers in the ray mesh.
     """
 
     body: Body
@@ -60,6 +62,7 @@ class Seen:
     hits: np.ndarray
     distances: np.ndarray
     plans: tuple[MapPlan, ...]
+    patches: tuple[np.ndarray, ...]
 
 
 @dataclass(frozen=True, eq=False)
@@ -119,6 +122,7 @@ class Pictures:
         self._world, self._bodies, self._levels, self._options, self._draw = world, bodies, levels, options, draw
         self._eye: tuple[float, ...] = ()
         self._sights: list[Sight] = []
+        self._used_texels = 0.0
 
     def moved(self, world: World) -> None:
         """Take over a world whose meshes have moved."""
@@ -129,6 +133,7 @@ class Pictures:
 
         As long as the eye stays, what the bodies do to its rays is not found again.
         """
+        self._used_texels = 0.0
         for level in self._levels:
             level.clear()
         key = (*eye.point, *eye.matrix.ravel())
@@ -142,6 +147,13 @@ class Pictures:
             if level.views:
                 level.place()
         return picture
+
+    def figures(self) -> dict[str, float]:
+        """How many maps the last plan has, of all depths, their texels, and the share of these that is looked up."""
+        views = [view for level in self._levels for view in level.views]
+        texels = sum(view.size[0] * view.size[1] for view in views)
+        used = {"maps_used_percent": 100.0 * self._used_texels / texels} if texels else {}
+        return {"maps": float(len(views)), "map_texels": float(texels), **used}
 
     def draw_maps(self, encoder: wgpu.GPUCommandEncoder, buffers: SceneBuffers, kinds: Sequence[MapKind]) -> None:
         """Draw all maps, those of the last bounce first."""
@@ -163,6 +175,7 @@ class Pictures:
             hits = np.zeros((len(hider), 3))
             distances = np.full(len(hider), np.inf)
             plans: list[MapPlan] = []
+            patches: list[np.ndarray] = []
             lost: list[np.ndarray] = []
             for faces, plan in self._plans(sight, seen_faces(sight.rays, eye.size), hider, depth):
                 if plan is None:
@@ -171,12 +184,14 @@ class Pictures:
                 views = [self._view(body, plan, number, depth, extra) for number in range(len(plan.projections))]
                 first = len(level.views)
                 level.views.extend(views)
+                self._used_texels += min(plan.used, 1.0) * sum(view.size[0] * view.size[1] for view in views)
                 draws.append(level.add(sight, faces, plan, range(first, first + len(views))))
                 hits[plan.vertices], distances[plan.vertices] = plan.hits, plan.distances
                 plans.append(plan)
+                patches.append(faces)
             if plans:
                 draws += [level.add(sight, faces, None, range(1)) for faces in lost]
-                seen.append(Seen(body, sight, hits, distances, tuple(plans)))
+                seen.append(Seen(body, sight, hits, distances, tuple(plans), tuple(patches)))
         return Picture(level, tuple(draws), tuple(seen)) if draws else None
 
     def _plans(

@@ -107,6 +107,10 @@ class TracedDrawing:
         for band in self._bands[: self._used]:
             band.draw_seen(render_pass)
 
+    def figures(self) -> dict[str, float]:
+        """Nothing but what the frame shows."""
+        return {}
+
     def rays(self) -> tuple[np.ndarray, np.ndarray] | None:
         """Origins and directions of each pixel's last ray: the eye's own outside the traced rectangle."""
         if self._eye is None:

@@ -66,6 +66,10 @@ class SpecularDrawing(Protocol):
         """Origins and directions, (H, W, 3), of each pixel's last ray, where the method has them."""
         ...
 
+    def figures(self) -> dict[str, float]:
+        """What the method tells of how it drew the last frame, by name; names of shares end in "_percent"."""
+        ...
+
 
 class Stage:
     """What a method draws on: the scene on the device and the eye's projection."""
@@ -169,4 +173,5 @@ class DrawingSession:
             deviation=deviation,
             ray_origin=origin,
             ray_direction=direction,
+            figures=self._drawing.figures(),
         )

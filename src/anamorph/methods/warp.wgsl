@@ -100,6 +100,14 @@ fn start_of(lookup: vec4f) -> Place {
     return Place(0, lookup.xy / lookup.z);
 }
 
+// The start's change to the next pixel: on a cube by the angle alone, for places jump from face to face.
+fn start_change(start: Place, lookup_change: vec3f, place_change: vec2f) -> vec2f {
+    if CUBE == 1 {
+        return vec2f(0.5 * length(lookup_change) / length(maps.views[start.view].right.xyz), 0.0);
+    }
+    return place_change;
+}
+
 fn look(at: Place, side: i32, ray: Ray) -> Lookup {
     let view = view_number(at, side);
     let point = map_point(maps.views[view], at.place, textureLoad(map_depth, map_texel(maps.views[view], at.place), 0));

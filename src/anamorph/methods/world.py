@@ -18,6 +18,10 @@ LYING = 0.05
 """How far from a surface, in its sizes, what lies on it may begin."""
 
 
+BESIDE = 0.1
+"""How far from a surface's border, in its sizes, a frame stands."""
+
+
 @dataclass(frozen=True, eq=False)
 class World:
     """A scene around its mirrors.
@@ -63,6 +67,28 @@ class World:
         hits = self.caster.cast(points, -outward, 1e-4 * reach)
         foreign = (hits.triangle >= 0) & ~np.isin(self.face_object[hits.triangle], own)
         return np.where(foreign, hits.distance, np.inf)
+
+    def bordered(
+        self, points: np.ndarray, border: np.ndarray, outward: np.ndarray, own: tuple[int, ...]
+    ) -> bool:
+        """Whether something else stands close beside the border of a surface, as a frame does.
+
+        The surface has `points` (N, 3), its border the numbers `border` (B,) of them with normals `outward` (B, 3).
+        """
+        if not len(border):
+            return False
+        reach = float(np.linalg.norm(np.ptp(points, axis=0)))
+        away = points[border] - points.mean(axis=0)
+        away -= np.einsum("ni,ni->n", away, outward)[:, None] * outward
+        away /= np.maximum(np.linalg.norm(away, axis=1, keepdims=True), 1e-12)
+        for lift in (1e-3, 1e-2):
+            # Downward as well: a frame may be flush.
+            ways = away - 0.3 * outward
+            hits = self.caster.cast(points[border] + lift * reach * outward, ways)
+            beside = (hits.triangle >= 0) & (hits.distance < BESIDE * reach)
+            if (beside & ~np.isin(self.face_object[hits.triangle], own)).any():
+                return True
+        return False
 
     def covered(self, points: np.ndarray, outward: np.ndarray) -> np.ndarray:
         """How high what lies on a surface, at `points` (N, 3) with normals `outward`, rises near each, (N,).

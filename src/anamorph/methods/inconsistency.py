@@ -1,0 +1,60 @@
+"""Occlusion inconsistency: where what a map shows is not what the rays meet, because something hides it from there.
+
+Source: Kakimoto et al. 2007, section 6 and Figure 16, which shows it and leaves it open. Here it is found at vertices;
+what fragments know of it is in doubt.wgsl.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from anamorph.methods.pictures import Seen
+from anamorph.methods.warp import MapPlan
+from anamorph.methods.world import World
+from anamorph.raymesh import RayStatus
+
+NEARER = 1e-3
+"""By what part of the way to a vertex's hit the map must see something nearer."""
+
+
+def map_lines(plan: MapPlan, lookups: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """The lines through the map's viewpoint that its places see along.
+
+    Parameters
+    ----------
+    plan : MapPlan
+    lookups : (N, 4) float64
+        (s q, t q, q, valid).
+
+    Returns
+    -------
+    starts, lines : (N, 3) float64
+        Where they enter the map, and unit vectors along them.
+    """
+    x, y = (2.0 * lookups[:, :2] / lookups[:, 2:3] - 1.0).T * [[1.0], [-1.0]]
+    # Of converging rays the last projection is the one before their crossing: there the lines enter.
+    projection = plan.projections[-1]
+    ones = np.ones_like(x)
+    near = np.stack([x, y, ones, ones], axis=1) @ np.linalg.inv(projection.clip).T
+    lines = projection.base + x[:, None] * projection.right + y[:, None] * projection.up
+    return near[:, :3] / near[:, 3:], lines / np.linalg.norm(lines, axis=1, keepdims=True)
+
+
+def shown_distances(starts: np.ndarray, lines: np.ndarray, meshes: tuple[int, ...], world: World) -> np.ndarray:
+    """How far along its lines a map sees, (N,), infinite for the sky; it does not see the `meshes` of its own body."""
+    distances, _ = world.cast_past(starts, lines, np.zeros(len(starts)), tuple(mesh + 1 for mesh in meshes))
+    return distances
+
+
+def inconsistent_vertices(seen: Seen, world: World) -> np.ndarray:
+    """Which vertices of a body do not show what their rays meet, (V,) bool: a map sees something nearer there."""
+    rays = seen.sight.rays
+    inconsistent = np.zeros(len(rays.origins), bool)
+    for plan in seen.plans:
+        known = (plan.lookups[0, :, 3] > 0.0) & (rays.status[plan.vertices] == RayStatus.OK)
+        starts, lines = map_lines(plan, plan.lookups[0, known])
+        shown = shown_distances(starts, lines, seen.body.meshes, world)
+        met = np.einsum("ij,ij->i", plan.hits[known] - starts, lines)
+        sky = ~np.isfinite(plan.distances[known])
+        inconsistent[plan.vertices[known]] |= np.where(sky, np.isfinite(shown), shown < (1.0 - NEARER) * met)
+    return inconsistent

@@ -153,7 +153,7 @@ class Atlas:
         for view, corner, uniform in zip(self._views, self._corners, self._uniforms, strict=False):
             render_pass.set_viewport(*corner, *view.size, 0.0, 1.0)
             render_pass.set_scissor_rect(*corner, *view.size)
-            extra = view.extra if kind != MapKind.DEPTH else None
+            extra = view.extra
             draw_scene(
                 render_pass,
                 pipelines,

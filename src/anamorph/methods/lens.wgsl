@@ -22,6 +22,7 @@ struct RefractorFragment {
     @location(10) @interpolate(flat) middle: vec4f,
     // The lens's axis, and its radius.
     @location(11) @interpolate(flat) axis: vec4f,
+    @location(12) normal: vec3f,
 }
 
 @vertex
@@ -40,6 +41,7 @@ fn refractor_vertex(@builtin(vertex_index) index: u32) -> RefractorFragment {
         corner_data[red], corner_data[red + 1u], corner_data[red + 2u],
         corner_data[blue], corner_data[blue + 1u], corner_data[blue + 2u],
         corner_data[triangle.data], corner_data[triangle.data + 1u],
+        normal_of(vertex),
     );
 }
 
@@ -68,6 +70,16 @@ fn way_of(fragment: RefractorFragment, start: Place) -> u32 {
     return select(LOST, LEAVES, inside_map(start, fragment.lookup_green.w));
 }
 
+// The share of the light that crosses the near face; Fresnel's equations, for both polarisations alike.
+fn crossing(fragment: RefractorFragment) -> f32 {
+    let index = objects[fragment.object.x - 1u].parameter;
+    let outer = abs(dot(normalize(viewing_direction(fragment.pixel.xy)), normalize(fragment.normal)));
+    let inner = sqrt(index * index + outer * outer - 1.0);
+    let square = index * index;
+    let reflected = vec2f((outer - inner) / (outer + inner), (square * outer - inner) / (square * outer + inner));
+    return 1.0 - 0.5 * dot(reflected, reflected);
+}
+
 // The matt edge, seen from within the glass.
 fn edge_color(fragment: RefractorFragment) -> vec3f {
     var point: SurfacePoint;
@@ -93,7 +105,7 @@ fn refracted_color(fragment: RefractorFragment) -> vec4f {
     }
     let way = way_of(fragment, green);
     if way == LEFT_BY_EDGE || way == TOTAL {
-        color = edge_color(fragment);
+        return vec4f(crossing(fragment) * tint * edge_color(fragment), 1.0);
     } else if way == LOST {
         color = sky_color(fragment.direction_green.xyz, projection.base.w);
     }
@@ -131,6 +143,11 @@ fn refracted(fragment: RefractorFragment) -> Refracted {
     let found = find(start, ray);
     let end = end_of(found);
     return Refracted(end, warped_status(found, start, end), found.deviation);
+}
+
+@fragment
+fn refractor_depth(fragment: RefractorFragment) -> @location(0) vec4f {
+    return vec4f(fragment.pixel.z, dpdx(fragment.pixel.z), dpdy(fragment.pixel.z), f32(fragment.object.x)) + FRONT;
 }
 
 @fragment

@@ -98,6 +98,7 @@ class Options:
 OUTPUTS: dict[str, tuple[str, ...]] = {
     "color": (COLOR_FORMAT,),
     "color_and_depth": (COLOR_FORMAT, *MAP_FORMATS),
+    "depth": MAP_FORMATS,
     "end": MAP_FORMATS,
     "seen": SEEN_FORMATS,
     "error": (ERROR_FORMAT,),
@@ -108,7 +109,7 @@ OUTPUTS: dict[str, tuple[str, ...]] = {
 PICTURED = ("color", "inconsistency")
 """What is drawn into the picture itself."""
 
-IN_MAPS = {MapKind.COLOR: "color", MapKind.BOTH: "color_and_depth", MapKind.END: "end"}
+IN_MAPS = {MapKind.COLOR: "color", MapKind.DEPTH: "depth", MapKind.BOTH: "color_and_depth", MapKind.END: "end"}
 
 
 class PerVertexDrawing:

@@ -102,6 +102,11 @@ fn reflector_color_and_depth(fragment: ReflectorFragment) -> ColorAndDepth {
 }
 
 @fragment
+fn reflector_depth(fragment: ReflectorFragment) -> @location(0) vec4f {
+    return vec4f(fragment.pixel.z, dpdx(fragment.pixel.z), dpdy(fragment.pixel.z), f32(fragment.object.x)) + FRONT;
+}
+
+@fragment
 fn reflector_end(fragment: ReflectorFragment) -> @location(0) vec4f {
     let mirror = reflection(fragment);
     let start = start_of(fragment.lookup);

@@ -135,17 +135,20 @@ fn refine(start: Place, side: i32, ray: Ray) -> Lookup {
     return best;
 }
 
-// Whether what lies before the rays' crossing hides what lies beyond it: it is there, and on this ray.
-fn hides(before: Lookup, beyond: Lookup) -> bool {
+// Whether what lies before the rays' crossing hides what lies beyond it: it is there, and on this ray, to half of what
+// a pixel is wide seen from the ray's origin. The nearer to the mirror, the wider that is.
+fn hides(before: Lookup, beyond: Lookup, ray: Ray) -> bool {
     let there = before.point.w != 0.0;
-    return there && (REFINEMENTS == 0 || before.deviation < max(beyond.deviation, projection.base.w));
+    let nearness = length(ray.origin - projection.eye.xyz) / max(length(before.point.xyz - ray.origin), 1e-12);
+    let blur = projection.base.w * max(1.0, 0.5 * nearness);
+    return there && (REFINEMENTS == 0 || before.deviation < max(beyond.deviation, blur));
 }
 
 fn find(start: Place, ray: Ray) -> Lookup {
     var best = refine(start, 0, ray);
     for (var side = 1; side < SIDES; side++) {
         let before = refine(start, side, ray);
-        if hides(before, best) {
+        if hides(before, best, ray) {
             best = before;
         }
     }
@@ -181,7 +184,7 @@ fn found_color(start: Place, ray: Ray, dx: vec2f, dy: vec2f) -> vec3f {
     for (var side = 1; side < SIDES; side++) {
         let before = refine(start, side, ray);
         // Unrefined, the map's own emptiness says where nothing is: its depth is not even drawn.
-        if REFINEMENTS == 0 || hides(before, beyond) {
+        if REFINEMENTS == 0 || hides(before, beyond, ray) {
             let nearer = sampled(before.at, side, dx, dy);
             color = nearer.rgb + (1.0 - nearer.a) * color;
         }
@@ -189,10 +192,32 @@ fn found_color(start: Place, ray: Ray, dx: vec2f, dy: vec2f) -> vec3f {
     return color;
 }
 
+// Four neighbouring ends lie on one surface where their quadrilateral is all but a parallelogram.
+const EVEN = 0.1;
+
+// Where paths end that go on from a mirror in the map: between the texels' centres where these show one surface.
+fn map_end_at(seen_by: Projection, place: vec2f) -> vec4f {
+    let pixel = place * seen_by.size.xy - 0.5;
+    let low = vec2i(clamp(floor(pixel), vec2f(0.0), seen_by.size.xy - 2.0));
+    let weight = clamp(pixel - vec2f(low), vec2f(0.0), vec2f(1.0));
+    let texel = vec2i(seen_by.size.zw) + low;
+    let a = textureLoad(map_end, texel, 0);
+    let b = textureLoad(map_end, texel + vec2i(1, 0), 0);
+    let c = textureLoad(map_end, texel + vec2i(0, 1), 0);
+    let d = textureLoad(map_end, texel + vec2i(1, 1), 0);
+    let across = length(b.xyz - a.xyz);
+    let along = length(c.xyz - a.xyz);
+    if all(vec3f(b.w, c.w, d.w) == vec3f(a.w)) && length(d.xyz - b.xyz - c.xyz + a.xyz) < EVEN * min(across, along) {
+        return mix(mix(a, b, weight.x), mix(c, d, weight.x), weight.y);
+    }
+    return textureLoad(map_end, map_texel(seen_by, place), 0);
+}
+
 // The path's end: what is found, or what a mirror shows that is found.
 fn end_of(found: Lookup) -> vec4f {
     if is_front(found.point) && textureDimensions(map_end).x > 1u {
-        return textureLoad(map_end, map_texel(maps.views[found.at.view], found.at.place), 0);
+        let end = map_end_at(maps.views[found.at.view], found.at.place);
+        return select(end, vec4f(normalize(end.xyz), 0.0), end.w == 0.0);
     }
     return found.point;
 }

@@ -61,7 +61,7 @@ def normal_errors(mesh: Mesh, camera: Camera, size: tuple[int, int]) -> tuple[np
         return errors, areas
     eye, faces = np.asarray(camera.position, float), mesh.faces[shown]
     corners, normals = np.asarray(mesh.positions, float)[faces], np.asarray(mesh.normals, float)[faces]
-    directions = _bent(mesh.material, corners - eye, normals)
+    directions, distances = _bent(mesh.material, corners - eye, normals), np.linalg.norm(corners - eye, axis=2)
     left, turn, _ = np.linalg.svd(_turning(directions, places[shown]), full_matrices=False)
     turn = np.maximum(turn, 2.0 * np.tan(np.radians(camera.field_of_view) / 2.0) / size[1])
     for around in SAMPLES:
@@ -69,7 +69,12 @@ def normal_errors(mesh: Mesh, camera: Camera, size: tuple[int, int]) -> tuple[np
         points = mesh.surface.position(parameters)
         exact = turned_normals(mesh.surface, parameters, normals[:, around].sum(axis=1))
         interpolated = np.einsum("fk,fkj->fj", _weights(corners, points), normals)
-        astray = _bent(mesh.material, points - eye, interpolated) - _bent(mesh.material, points - eye, exact)
+        shown_ray = _bent(mesh.material, points - eye, interpolated)
+        if isinstance(mesh.material, Glass):
+            # Behind glass whole rays are interpolated, as long as the eye's distance: see `RayMesh`.
+            shown_ray = np.einsum("fk,fkj->fj", _crossed(corners, eye, points) * distances, directions)
+            shown_ray *= mesh.material.index / np.linalg.norm(shown_ray, axis=1, keepdims=True)
+        astray = shown_ray - _bent(mesh.material, points - eye, exact)
         moved = np.linalg.norm(np.einsum("fji,fj->fi", left, astray) / turn, axis=1)
         errors[shown] = np.maximum(errors[shown], moved)
     return errors, areas
@@ -181,6 +186,13 @@ def _bent(material: Material, incident: np.ndarray, normal: np.ndarray) -> np.nd
         return reflect(incident, normal)
     against = np.where(np.sum(incident * normal, axis=-1, keepdims=True) > 0.0, -normal, normal)
     return material.index * refract(incident, against, 1.0 / material.index)[0]
+
+
+def _crossed(corners: np.ndarray, eye: np.ndarray, points: np.ndarray) -> np.ndarray:
+    """Barycentric coordinates, (F, 3), of where the lines of sight to points (F, 3) cross the planes of triangles."""
+    across = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    far, near = (np.einsum("fi,fi->f", across, each) for each in (corners[:, 0] - eye, points - eye))
+    return _weights(corners, eye + (far / np.where(near == 0.0, 1.0, near))[:, None] * (points - eye))
 
 
 def _weights(corners: np.ndarray, points: np.ndarray) -> np.ndarray:

@@ -271,7 +271,10 @@ def _map_frame(
 
 
 def _aligned(axes: np.ndarray, directions: np.ndarray, weights: np.ndarray) -> np.ndarray:
-    """The axes turned by up to 45 degrees, to the principal directions of the rays' slopes (4.3)."""
+    """The axes turned by up to 45 degrees, to the principal directions of the rays' slopes (4.3).
+
+    They stay where that does not make the rectangle around the slopes smaller.
+    """
     across, along = directions @ axes[:2].T, directions @ axes[2]
     ahead = along > 1e-3
     slopes = across[ahead] / along[ahead, None]
@@ -283,6 +286,10 @@ def _aligned(axes: np.ndarray, directions: np.ndarray, weights: np.ndarray) -> n
     angle = np.arctan2(vectors[1, 1], vectors[0, 1])
     angle -= 0.5 * np.pi * np.rint(angle / (0.5 * np.pi))
     cosine, sine = np.cos(angle), np.sin(angle)
+    counted = slopes[shares > 0.0]
+    turned = counted @ np.array([[cosine, -sine], [sine, cosine]])
+    if np.ptp(turned, axis=0).prod() >= np.ptp(counted, axis=0).prod():
+        return axes
     return np.stack([cosine * axes[0] + sine * axes[1], cosine * axes[1] - sine * axes[0], axes[2]])
 
 

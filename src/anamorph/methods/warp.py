@@ -192,7 +192,9 @@ def plan_map(sight: Sight, faces: np.ndarray, hider: np.ndarray, world: World, o
     projections = [map_projection(frame, bounds, near_plane, world.corners)]
     if frame.convergence < 0.0:
         projections.insert(0, far_projection(frame, bounds))
-        if not world.visible(projections[1].clip).any():
+        visible = world.visible(projections[1].clip)
+        visible[list(sight.side.meshes)] = False
+        if not visible.any():
             projections.pop()
     texels, used = _texels(rays, texcoords[0], valid[0] & facing, np.ptp(bounds, axis=0))
     sizes = (texels,) * len(projections)

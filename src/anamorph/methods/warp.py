@@ -168,8 +168,10 @@ def plan_map(sight: Sight, faces: np.ndarray, hider: np.ndarray, world: World, o
     if options.strict:
         for number, each in enumerate(bundles):
             ways = each.unit_directions()
-            first = world.caster.cast(each.origins, ways, world.caster.near).distance
-            inside[number] &= (hider > 0) | ~facing | (first >= crossings(each.origins, ways, near_plane))
+            first = world.caster.cast(each.origins, ways, world.caster.near)
+            met = first.triangle >= 0
+            ends = each.origins + np.where(met, first.distance, 0.0)[:, None] * ways
+            inside[number] &= (hider > 0) | ~facing | ~met | (ends @ near_plane[:3] + near_plane[3] >= 0.0)
     if not (inside & facing).any():
         return None
     # What is seen of a triangle may reach up to its vertices that are not.

@@ -52,7 +52,10 @@ def part(mesh, faces, name):
 def test_the_parts_of_one_surface_are_one_body_in_any_order(data):
     """Strips of a mirror, and of another that stands apart, among matt meshes."""
     count = data.draw(st.integers(2, 5))
-    mirrors = [spherical_mirror(), replace(spherical_mirror(), positions=spherical_mirror().positions + np.float32(1.0))]
+    mirrors = [
+        spherical_mirror(),
+        replace(spherical_mirror(), positions=spherical_mirror().positions + np.float32(1.0)),
+    ]
     strips = {
         (number, strip): part(mirror, faces, f"{number}-{strip}")
         for number, mirror in enumerate(mirrors)

@@ -160,7 +160,9 @@ def test_no_face_is_lost_of_which_some_point_is_in_the_picture(seed, distance):
     generator = np.random.default_rng(seed)
     mirror = reflector(spherical_mirror(generator.choice([-0.5, 0.5, 1.4])))
     position = CENTER + distance * generator.normal(size=3)
-    camera = Camera(tuple(position.tolist()), tuple((CENTER + 0.3 * generator.normal(size=3)).tolist()), CAMERA.up, 30.0)
+    camera = Camera(
+        tuple(position.tolist()), tuple((CENTER + 0.3 * generator.normal(size=3)).tolist()), CAMERA.up, 30.0
+    )
     rays = reflected_rays(mirror, camera.eye(SIZE))
     kept = seen_faces(rays, SIZE)
     weights = generator.dirichlet(np.ones(3), 50)

@@ -150,7 +150,8 @@ def plan_map(sight: Sight, faces: np.ndarray, hider: np.ndarray, world: World, o
         return None
     viewpoint, frame = _map_frame(rays.origins[facing], directions[facing], weights, options.align)
     normal = _near_normal(weights, outward[facing], directions[facing], frame)
-    past, top = past_frame(rays, directions, hider, facing, normal, world)
+    own = tuple(mesh + 1 for mesh in sight.side.meshes)
+    past, top = past_frame(rays, directions, np.where(np.isin(hider, own), 0, hider), facing, normal, world)
     if not options.cast:
         # What lies on the mirror stands for what is found to hide its vertices.
         covered = sight.side.covered[vertices]
@@ -162,7 +163,6 @@ def plan_map(sight: Sight, faces: np.ndarray, hider: np.ndarray, world: World, o
         near_plane[3] = -(foremost if options.strict else max(foremost, top)) - clearance
 
     # Steps 3.1 to 3.3: where the lines from the viewpoint to the hits cross the projection plane.
-    own = tuple(mesh + 1 for mesh in sight.side.meshes)
     found = [_looked_up(each, frame, facing, near_plane, past, own, world, options) for each in bundles]
     hits, distances, places, inside = (np.stack(parts) for parts in zip(*found, strict=True))
     if options.strict:
@@ -194,9 +194,7 @@ def plan_map(sight: Sight, faces: np.ndarray, hider: np.ndarray, world: World, o
     projections = [map_projection(frame, bounds, near_plane, world.corners)]
     if frame.convergence < 0.0:
         projections.insert(0, far_projection(frame, bounds))
-        visible = world.visible(projections[1].clip)
-        visible[list(sight.side.meshes)] = False
-        if not visible.any():
+        if not np.delete(world.visible(projections[1].clip), sight.side.meshes).any():
             projections.pop()
     texels, used = _texels(rays, texcoords[0], valid[0] & facing, np.ptp(bounds, axis=0))
     sizes = (texels,) * len(projections)
@@ -315,8 +313,10 @@ def _near_plane(
     clearance = CLEARANCE * size_of(origins)
     # Half the way to what stands behind: between the vertices it may be nearer.
     level = max(float(heights.min()) - clearance, float((heights - 0.5 * behind).max()))
-    if frame.convergence > 0.0:
-        level = max(level, float(viewpoint[:3] @ normal / viewpoint[3]) + 1e2 * clearance)
+    if frame.convergence != 0.0:
+        # Lines of sight leave the viewpoint before they cross the plane, or end there after it.
+        limit = float(viewpoint[:3] @ normal / viewpoint[3]) + 1e2 * clearance * np.sign(frame.convergence)
+        level = max(level, limit) if frame.convergence > 0.0 else min(level, limit)
     return np.append(normal, -min(level, float(heights.max()) + clearance))
 
 

@@ -208,7 +208,7 @@ def test_a_lens_hands_on_the_rays_of_each_colour(abbe, colors):
 
 def test_glass_that_is_no_face_of_a_lens_is_refused_in_one_line():
     ball = replace(spherical_mirror(0.3), name="pebble", material=Glass(1.5))
-    with pytest.raises(AnamorphError, match="'pebble'.*no face of a lens.*raytrace") as caught:
+    with pytest.raises(AnamorphError, match=r"'pebble'.*no face of a lens.*raytrace") as caught:
         bodies(scene_of(ball, *surroundings()))
     assert "\n" not in str(caught.value)
 

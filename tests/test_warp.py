@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from plans import plan_of, planned
 from scenes import CAMERA, CENTER, SIZE, flat_mirror, pixels_of, scene_with, spherical_mirror
@@ -172,6 +172,41 @@ def test_a_hollow_mirror_has_a_map_for_either_side_of_its_crossing():
             assert (in_map(projection, np.array([point]))[2][0] > 0.0) == (projection is shown)
 
 
+def before_the_crossing_depth_rises_towards_the_mirror(scene):
+    for plan in planned(scene).plans:
+        if plan is None or len(plan.projections) < 2:
+            continue
+        before, crossing = plan.projections[1], plan.viewpoint[:3] / plan.viewpoint[3]
+        for x, y in [(-1.0, -1.0), (0.0, 0.0), (0.9, -0.7)]:
+            look = before.base + x * before.right + y * before.up
+            depth, places, w = in_map(before, crossing - np.linspace(0.01, 1.0, 50)[:, None] * look)
+            assert (w > 0.0).all()
+            assert places == pytest.approx(np.tile([0.5 + 0.5 * x, 0.5 - 0.5 * y], (50, 1)), abs=1e-6)
+            assert (np.diff(depth) > 0.0).all()
+
+
+@settings(deadline=None, max_examples=60)
+@given(
+    st.sampled_from([-0.25, -0.35, -0.5, -0.8]),
+    st.tuples(st.floats(-0.6, 0.6), st.floats(0.2, 1.0), st.floats(0.2, 3.0)),
+)
+@example(-0.25, (0.5220869085453218, 0.8526828432972258, 0.207667800476415))
+def test_before_its_crossing_what_is_nearer_to_a_hollow_mirror_is_in_front(radius, position):
+    """Also where the crossing lies within the bowl, lower than its foremost vertex, which hides others."""
+    camera = Camera(position, tuple(CENTER.tolist()), field_of_view=32.0)
+    before_the_crossing_depth_rises_towards_the_mirror(hollow(radius, camera))
+
+
+@pytest.mark.parametrize("position", [(0.265786, 0.620283, 0.324037), (0.466188, 0.705193, 0.369237)])
+@pytest.mark.parametrize("radius", [-0.205, -0.25])
+def test_a_bowls_crossing_lies_before_its_near_plane_whatever_stands_behind_it(radius, position):
+    bowl = spherical_mirror(radius, 8, (0.2, 0.2))
+    shell = replace(bowl, positions=bowl.positions - np.float32([0.0, 0.0, 0.01]), material=Diffuse())
+    shell = replace(shell, name="shell", surface=None, parameters=None)
+    camera = Camera(position, tuple(CENTER.tolist()), field_of_view=32.0)
+    before_the_crossing_depth_rises_towards_the_mirror(scene_with(bowl, shell, camera=camera))
+
+
 def test_nothing_before_the_crossing_needs_no_second_map():
     scene = hollow()
     empty = Scene("far", (scene.meshes[0], scene.meshes[3]), CAMERA)
@@ -189,9 +224,9 @@ def test_a_maps_eye_looks_where_the_map_does(radius, aside, distance):
     camera = Camera((aside, 0.6, distance), tuple(CENTER.tolist()), field_of_view=32.0)
     plans = planned(scene_with(spherical_mirror(radius), camera=camera)).plans
     size = (300, 200)
+    maps = [(each, plan.eye(i, size)) for plan in plans if plan for i, each in enumerate(plan.projections)]
     points = np.random.default_rng(1).uniform((-2, 0, 0), (2, 1, 3), (200, 3))
-    for plan, number in ((plan, number) for plan in plans if plan for number in range(len(plan.projections))):
-        projection, eye = plan.projections[number], plan.eye(number, size)
+    for projection, eye in maps:
         _, places, w = in_map(projection, points)
         inside = (w > 1e-3) & (np.abs(places - 0.5) < 0.5).all(axis=1)
         x, y, depth = eye.picture(points[inside]).T
@@ -221,13 +256,13 @@ def bundles(draw):
     cosine, sine = np.cos(turn), np.sin(turn)
     slopes = local @ np.array([[cosine, sine], [-sine, cosine]]) + 0.2 * generator.uniform(-1, 1, 2)
     directions = axes[2] + slopes @ axes[:2]
-    return axes, directions / np.linalg.norm(directions, axis=1, keepdims=True), longer, turn
+    return axes, directions / np.linalg.norm(directions, axis=1, keepdims=True), longer
 
 
 @settings(deadline=None)
 @given(bundles())
 def test_maps_are_turned_along_their_rays_by_at_most_45_degrees(drawn):
-    axes, directions, longer, turn = drawn
+    axes, directions, longer = drawn
     weights = np.full(len(directions), 1.0 / len(directions))
     turned = _aligned(axes, directions, weights)
     assert turned @ turned.T == pytest.approx(np.eye(3), abs=1e-12)

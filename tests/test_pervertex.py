@@ -71,7 +71,7 @@ def test_the_device_gets_the_plans_lookups_and_projection_in_single_precision(mo
     (maps,) = written[level._maps]
     assert maps[: UNIFORM_BYTES // 4].tolist() == plan.projections[0].uniform(view.size, corner).tolist()
     assert draw.sides == 1
-    assert view.size == tuple(int(texels) for texels in plan.texels)
+    assert view.size == tuple(int(texels) for texels in plan.texels[0])
 
 
 @pytest.mark.parametrize("specification", ["pervertex", "pervertex:projective=false", "pervertex:resolution=0.5"])

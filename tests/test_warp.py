@@ -105,14 +105,14 @@ def test_the_maps_resolution_follows_the_pixels_that_it_fills():
     sizes = {}
     for size in [(80, 60), (160, 120), (640, 480)]:
         _, plan = plan_of(CURVED, size=size)
-        sizes[size] = np.array(plan.texels)
+        sizes[size] = np.array(plan.texels[0])
     assert sizes[160, 120] == pytest.approx(2.0 * sizes[80, 60], rel=0.02)
     assert sizes[640, 480] == pytest.approx(4.0 * sizes[160, 120], rel=0.02)
     # A flat mirror's map is the mirror's own picture: about as many texels as pixels.
     flat = scene_with(flat_mirror(), camera=Camera((0, 0.5, 0.9), (0, 0.5, 0), field_of_view=32.0))
     _, plan = plan_of(flat)
     corners = pixels_of(flat.camera, SIZE, flat_mirror().positions)
-    assert np.array(plan.texels) == pytest.approx(np.ptp(corners, axis=0), rel=0.05)
+    assert np.array(plan.texels[0]) == pytest.approx(np.ptp(corners, axis=0), rel=0.05)
 
 
 def in_map(projection, points):
@@ -292,7 +292,7 @@ def test_only_rays_that_count_turn_a_map():
 def test_a_map_is_turned_only_where_that_saves_room():
     """Two triangles' vertices do not weigh alike: their principal direction lies along the diagonal."""
     flat = scene_with(flat_mirror(), camera=Camera((0, 0.5, 0.9), (0, 0.5, 0), field_of_view=32.0))
-    texels = [np.prod(plan_of(flat, options=PlanOptions(align=align))[1].texels) for align in (False, True)]
+    texels = [np.prod(plan_of(flat, options=PlanOptions(align=align))[1].texels[0]) for align in (False, True)]
     assert texels[1] == pytest.approx(texels[0])
     saddle = make("saddle")
     turned, straight = (

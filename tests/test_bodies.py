@@ -164,7 +164,7 @@ def test_a_lens_is_seen_by_the_face_that_the_lines_of_sight_meet(direction, dist
         eye = replace(eye, point=np.append(away, 0.0))
     elif kind == "towards":
         # Lines that run towards a point on the far side come from this one.
-        eye = replace(eye, point=-np.append(CENTER - distance * away, 1.0))
+        eye = replace(eye, point=-1e-3 * np.append(CENTER - distance * away, 1.0))
     sight = see(body, eye)
     scene = lens_scene()
     face = scene.meshes[sight.side.meshes[0]]
@@ -194,6 +194,8 @@ def test_a_lens_is_one_body_of_two_sides_with_its_edge():
 def test_a_lens_hands_on_the_rays_of_each_colour(abbe, colors):
     (body,) = bodies(lens_scene(abbe))
     sight = see(body, CAMERA.eye(SIZE))
+    status = np.resize([RayStatus.TOTAL_REFLECTION, RayStatus.LEFT_BY_EDGE, RayStatus.OK], len(sight.rays.status))
+    sight = replace(sight, rays=replace(sight.rays, status=status))
     faces = np.array([3, 1, 4])
     rays = sight.corner_rays(faces)
     assert rays.shape == (3, 3, colors, 2, 4)

@@ -281,7 +281,7 @@ def test_only_rays_that_count_turn_a_map():
     axes = np.eye(3)
     x, y = np.meshgrid(np.linspace(-0.3, 0.3, 7), np.linspace(-0.1, 0.1, 7))
     diagonal = np.stack([x - y, x + y, np.ones_like(x)], axis=-1).reshape(-1, 3) / np.sqrt(2.0)
-    stray = np.array([[9.0, -9.0, 1.0], [0.5, -0.5, -1.0]])
+    stray = np.array([[9.0, 0.0, 1.0], [0.5, -0.5, -1.0]])
     directions = np.concatenate([diagonal, stray])
     directions /= np.linalg.norm(directions, axis=1, keepdims=True)
     weights = np.append(np.full(len(diagonal), 1.0 / len(diagonal)), [0.0, 0.0])

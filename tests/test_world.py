@@ -113,6 +113,17 @@ def test_rays_pass_through_their_own_body(layers):
     assert met.tolist() == [layers > 0, False]
 
 
+def test_rays_of_one_body_pass_each_its_own_layers():
+    """Two layers before one ray, one before another, none before the third."""
+    own = [cube((0.0, 0.0, 1.0)), cube((1.0, 0.0, 1.0)), cube((0.0, 0.0, 1.5))]
+    world = world_of(flatten(scene_of(wall(0.0, "body"), wall(3.0), *own)))
+    origins = np.array([[0.03, 0.02, 0.0], [1.03, 0.02, 0.0], [2.0, 0.0, 0.0]])
+    directions = np.tile([0.0, 0.0, 1.0], (3, 1))
+    distances, met = world.cast_past(origins, directions, np.full(3, world.caster.near), (1, 3, 4, 5))
+    assert met.tolist() == [True, True, False]
+    assert distances[1:] == pytest.approx([3.0, 3.0])
+
+
 def test_rays_start_where_they_are_told():
     world = world_of(flatten(scene_of(wall(0.2), wall(1.0), wall(2.0))))
     origins, directions = np.zeros((3, 3)), np.tile([0.0, 0.0, 1.0], (3, 1))

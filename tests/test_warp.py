@@ -207,6 +207,21 @@ def test_a_bowls_crossing_lies_before_its_near_plane_whatever_stands_behind_it(r
     before_the_crossing_depth_rises_towards_the_mirror(scene_with(bowl, shell, camera=camera))
 
 
+def test_hits_at_the_crossing_do_not_spread_the_map():
+    """There the scatter of the rays is larger than their fan: a hit says nothing of its place, and none is lost."""
+    mirror = spherical_mirror(-0.8)
+    _, plan = plan_of(scene_with(mirror))
+    crossing = plan.viewpoint[:3] / plan.viewpoint[3]
+    block = box(tuple(crossing - 0.01), tuple(crossing + 0.01)).mesh("block", Diffuse())
+    _, blocked = plan_of(scene_with(mirror, block))
+    near = np.linalg.norm(blocked.hits - crossing, axis=1) < 0.03
+    assert near.sum() > 3
+    assert blocked.lookups[0, near, 3].all()
+    assert (places_of(blocked) >= 0.0).all() and (places_of(blocked) <= 1.0).all()
+    areas = [np.linalg.norm(np.cross(each.projections[0].right, each.projections[0].up)) for each in (plan, blocked)]
+    assert areas[1] < 16.0 * areas[0]
+
+
 def test_nothing_before_the_crossing_needs_no_second_map():
     scene = hollow()
     empty = Scene("far", (scene.meshes[0], scene.meshes[3]), CAMERA)

@@ -69,10 +69,10 @@ def test_the_parts_of_one_surface_are_one_body_in_any_order(data):
     )
 
 
-def triangle(*corners, name="mirror"):
+def triangle(*corners, name=None):
     return replace(
         flat_mirror(),
-        name=name,
+        name=name or str(corners),
         positions=np.array(corners, np.float32),
         normals=np.tile(np.float32([0, 0, 1]), (len(corners), 1)),
         faces=np.array([[0, 1, 2]] if len(corners) == 3 else [[0, 1, 2], [3, 2, 1]], np.int32),
@@ -102,12 +102,18 @@ def test_matt_meshes_join_nothing():
     assert connected_mirrors(scene_of(between)) == []
 
 
-def test_the_teapots_patches_are_pot_lid_handle_and_spout():
+def test_meshes_of_one_name_that_touch_are_one_body():
+    first = triangle((0, 0, 0), (1, 0, 0), (0, 1, 0), name="pot/body")
+    spout = triangle((0.5, 0.2, 0), (2, 0.2, 0), (2, 0.5, 0), name="pot/spout")
+    beside = triangle((5, 0, 0), (6, 0, 0), (6, 1, 0), name="pot/other")
+    other = replace(spout, name="pan/spout")
+    assert connected_mirrors(scene_of(first, spout, beside)) == [(0, 1), (2,)]
+    assert connected_mirrors(scene_of(first, other)) == [(0,), (1,)]
+
+
+def test_the_teapot_is_one_body():
     scene = builtin.make("room")
-    groups = connected_mirrors(scene)
-    names = [{scene.meshes[number].name.split("/")[1].split("-")[0] for number in group} for group in groups]
-    assert names == [{"rim", "body", "bottom"}, {"lid"}, {"handle"}, {"spout"}]
-    assert sum(len(group) for group in groups) == 32
+    assert connected_mirrors(scene) == [tuple(i for i, mesh in enumerate(scene.meshes) if mesh.specular)]
 
 
 def test_a_body_of_parts_has_the_rays_of_the_whole():

@@ -12,7 +12,7 @@ from scenes import CAMERA, CENTER, SIZE, drawn, flat_mirror, open_view, scene_wi
 
 from anamorph.errors import AnamorphError
 from anamorph.frame import Status
-from anamorph.gpu import maps, targets
+from anamorph.gpu import cube, targets
 from anamorph.measure.errors import measure, silhouettes
 from anamorph.methods.environment import FACES, cube_projections, faces_needed, reflectors
 from anamorph.optics.reflection import reflected_rays, reflector
@@ -180,13 +180,13 @@ def test_cube_faces_share_their_depth_buffer_and_make_their_depths_on_first_use(
         made.append(form)
         return targets.make_texture(size, form, *arguments, **named)
 
-    monkeypatch.setattr(maps, "make_texture", counted)
-    cube = maps.make_cube(8)
+    monkeypatch.setattr(cube, "make_texture", counted)
+    faces = cube.make_cube(8)
     assert sorted(made) == ["depth32float", "rgba16float"]
-    assert len({id(face.color.depth) for face in cube}) == 1
-    assert cube[3].depth().textures == cube[0].depth().textures
+    assert len({id(face.color.depth) for face in faces}) == 1
+    assert faces[3].depth().textures == faces[0].depth().textures
     assert made.count("rgba32float") == 1
-    assert {id(face.depth().depth) for face in cube} == {id(cube[0].color.depth)}
+    assert {id(face.depth().depth) for face in faces} == {id(faces[0].color.depth)}
 
 
 def test_drawn_once_is_drawn_always_while_nothing_moves():
@@ -207,8 +207,8 @@ def test_drawn_once_has_all_faces_for_an_eye_that_moves_later():
 
 @pytest.mark.parametrize(("update", "frames_with_maps"), [("once", 1), ("always", 3)])
 def test_a_static_map_is_drawn_in_the_first_frame_alone(update, frames_with_maps, monkeypatch):
-    calls, counts, draw_color = [], [0], maps.Map.draw_color
-    monkeypatch.setattr(maps.Map, "draw_color", lambda *given: (calls.append(given), draw_color(*given))[1])
+    calls, counts, draw_color = [], [0], cube.CubeFace.draw_color
+    monkeypatch.setattr(cube.CubeFace, "draw_color", lambda *given: (calls.append(given), draw_color(*given))[1])
     session = open_view(scene_with(spherical_mirror()), f"environment:update={update},face=64")
     for _ in range(3):
         session.draw(CAMERA)

@@ -158,9 +158,13 @@ def test_values_of_another_type_that_mean_the_same_are_taken():
 
 @pytest.mark.parametrize("name", [name for name in SHADERS if name not in BASE])
 def test_every_shader_compiles(name):
+    warp = ("gpu/vertices.wgsl", "gpu/map.wgsl")
     before = {
         "methods/environment.wgsl": ("gpu/map.wgsl",),
-        "methods/pervertex.wgsl": ("gpu/vertices.wgsl", "gpu/map.wgsl"),
+        "methods/warp.wgsl": warp,
+        "methods/pervertex.wgsl": (*warp, "methods/warp.wgsl"),
+        "methods/lens.wgsl": (*warp, "methods/warp.wgsl"),
+        "methods/doubt.wgsl": (*warp, *(f"methods/{room}.wgsl" for room in ("warp", "pervertex", "lens"))),
         "methods/raytrace.wgsl": ("gpu/vertices.wgsl",),
     }
     assert shader_module(*before.get(name, ()), name) is not None

@@ -8,9 +8,11 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from anamorph.projection import (
+    CROSSING,
     UNIFORM_BYTES,
     MapFrame,
     camera_projection,
+    far_projection,
     map_frame,
     map_projection,
     pinhole_projection,
@@ -193,3 +195,100 @@ def test_depth_falls_along_every_line_of_sight():
         points = np.array([x, y, 0.0]) + np.linspace(0.5, 9.0, 50)[:, None] * look
         _, _, z, w = clip(projection, points).T
         assert (np.diff(z / w) < 0.0).all()
+
+
+@st.composite
+def converging(draw):
+    """A map of lines that cross before its image plane, the near plane between them askew, and a box around both."""
+    generator = np.random.default_rng(draw(SEEDS))
+    convergence = -draw(st.sampled_from([1e-3, 0.2, 1.0, 5.0]))
+    axes, center = random_axes(generator), generator.normal(size=3)
+    frame = MapFrame(center, axes, generator.uniform(-0.5, 0.5, 2), convergence)
+    low = generator.uniform(-1.0, 0.0, 2)
+    bounds = np.stack([low, low + generator.uniform(0.05, 2.0, 2)])
+    normal = axes[2] + draw(st.sampled_from([0.0, 0.5])) * generator.uniform(-1, 1, 2) @ axes[:2]
+    normal /= np.linalg.norm(normal)
+    near_plane = np.append(normal, -(normal @ center))
+    crossing = center + (axes[2] - frame.slope @ axes[:2]) / -convergence
+    assume(normal @ crossing + near_plane[3] > 0.1 / -convergence)
+    size = draw(st.sampled_from([3.0, 30.0])) / -convergence
+    corners = center + size * np.stack(np.meshgrid(*[[-1.0, 1.0]] * 3), axis=-1).reshape(-1, 3)
+    return generator, frame, bounds, near_plane, corners
+
+
+def lines_of(generator, frame, bounds, projection, count=20):
+    """Places (count, 2) from -1 to 1, and where their lines cross the image plane, and how they run, to height 1."""
+    places = generator.uniform(-1, 1, (count, 2))
+    starts = bounds.mean(axis=0) + places * np.ptp(bounds, axis=0) / 2.0
+    looks = projection.base + places[:, :1] * projection.right + places[:, 1:] * projection.up
+    return places, frame.center + starts @ frame.axes[:2], looks
+
+
+@settings(max_examples=80, deadline=None)
+@given(converging())
+def test_before_and_beyond_their_crossing_lines_keep_one_place(drawn):
+    generator, frame, bounds, near_plane, corners = drawn
+    near = map_projection(frame, bounds, near_plane, corners)
+    far = far_projection(frame, bounds)
+    places, starts, looks = lines_of(generator, frame, bounds, near)
+    for name in ("base", "right", "up", "eye"):
+        assert getattr(near, name).tolist() == getattr(far, name).tolist()
+    for projection, low, high in ((near, 0.0, 0.99), (far, 1.01, 30.0)):
+        heights = generator.uniform(low, high, (len(places), 1)) / -frame.convergence
+        u, v, _, w = clip(projection, starts + heights * looks).T
+        assert (w > 0.0).all()
+        assert np.stack([u / w, v / w], axis=-1) == pytest.approx(places, abs=1e-7)
+        # The other map sees nothing of this part.
+        other = far if projection is near else near
+        assert (clip(other, starts + heights * looks)[:, 3] < 0.0).all()
+    # What is infinitely far along the lines stands at the same places: the sky beyond the crossing.
+    u, v, z, w = (np.column_stack([looks, np.zeros(len(looks))]) @ far.clip.T).T
+    assert (w > 0.0).all() and z == pytest.approx(0.0)
+    assert np.stack([u / w, v / w], axis=-1) == pytest.approx(places, abs=1e-7)
+
+
+@settings(max_examples=80, deadline=None)
+@given(converging())
+def test_along_lines_that_cross_what_is_nearer_to_the_mirror_is_in_front(drawn):
+    generator, frame, bounds, near_plane, corners = drawn
+    near, far = map_projection(frame, bounds, near_plane, corners), far_projection(frame, bounds)
+    _, starts, looks = lines_of(generator, frame, bounds, near)
+    crossing = 1.0 / -frame.convergence
+    for start, look in zip(starts, looks, strict=True):
+        _, _, z, w = clip(near, start + np.linspace(0.0, (1.0 - CROSSING) * crossing, 40)[:, None] * look).T
+        assert (np.diff(z / w) < 0.0).all()
+        _, _, z, w = clip(far, start + crossing * np.geomspace(1.0 + CROSSING, 1e6, 40)[:, None] * look).T
+        assert (np.diff(z / w) < 0.0).all()
+        assert z[0] / w[0] == pytest.approx(1.0) and 0.0 < z[-1] / w[-1] < 1e-8
+
+
+@settings(max_examples=80, deadline=None)
+@given(converging())
+def test_only_at_the_crossing_itself_is_something_cut_off(drawn):
+    generator, frame, bounds, near_plane, corners = drawn
+    near, far = map_projection(frame, bounds, near_plane, corners), far_projection(frame, bounds)
+    points = generator.uniform(corners.min(axis=0), corners.max(axis=0), (400, 3))
+    weight = frame.project(points)[:, 2]
+    ahead = points @ near_plane[:3] + near_plane[3] > 1e-9 * np.abs(corners).max()
+    for projection, part in ((near, ahead & (weight > CROSSING)), (far, weight < -CROSSING)):
+        x, y, z, w = clip(projection, points).T
+        inside = part & (np.abs(x) <= w) & (np.abs(y) <= w)
+        assert (z[inside] <= w[inside] * (1.0 + 1e-9)).all()
+        assert (z[inside] >= 0.0).all()
+
+
+@settings(max_examples=60, deadline=None)
+@given(SEEDS, st.floats(2.0, 12.0), st.sampled_from([1.0, -1.0]))
+def test_a_map_changes_continuously_from_spreading_to_converging_lines(seed, power, sign):
+    generator = np.random.default_rng(seed)
+    axes, center = random_axes(generator), generator.normal(size=3)
+    slope, low = generator.uniform(-0.5, 0.5, 2), generator.uniform(-1.0, 0.0, 2)
+    bounds = np.stack([low, low + generator.uniform(0.2, 2.0, 2)])
+    near_plane = np.append(axes[2], -axes[2] @ center + 0.1)
+    corners = center + 5.0 * np.stack(np.meshgrid(*[[-1.0, 1.0]] * 3), axis=-1).reshape(-1, 3)
+    points = center + generator.uniform((-2, -2, 0.0), (2, 2, 5), (20, 3)) @ axes
+    parallel, almost = (
+        clip(map_projection(MapFrame(center, axes, slope, k), bounds, near_plane, corners), points)
+        for k in (0.0, sign * 10.0**-power)
+    )
+    assert almost / almost[:, 3:] == pytest.approx(parallel / parallel[:, 3:], abs=1e3 * 10.0**-power + 1e-9)

@@ -130,6 +130,12 @@ fn mirror_reflectance(number: u32, cosine: f32) -> vec3f {
     return object.tint * (object.parameter + (1.0 - object.parameter) * rest);
 }
 
+// What glass leaves of light that passes both faces of a lens, besides what they reflect.
+fn lens_tint(number: u32) -> vec3f {
+    let tint = objects[number - 1u].tint;
+    return tint * tint;
+}
+
 // Whether light goes on from an object's front.
 fn is_specular(number: u32) -> bool {
     return objects[number - 1u].kind != DIFFUSE;

@@ -35,7 +35,8 @@ class Side:
     smooth : (F,) bool
         Whether the true surface lies off the triangle.
     behind : (V,) float64
-        How far behind each vertex something else of the scene stands; infinite for nothing, 0 where the body has a frame.
+        How far behind each vertex something else of the scene stands; infinite for nothing, 0 where the body has a
+        frame.
     covered : (V,) float64
         How high a rim that lies on it rises over each vertex; 0 for none.
     closed : bool

@@ -95,7 +95,6 @@ fn refracted_color(fragment: RefractorFragment) -> vec4f {
     let towards = normalize(fragment.lookup_green.xyz);
     let dx = start_change(green, dpdx(towards), dpdx(green.place));
     let dy = start_change(green, dpdy(towards), dpdy(green.place));
-    let tint = objects[fragment.object.x - 1u].tint;
     var color = found_color(green, refraction(fragment.origin_green, fragment.direction_green), dx, dy);
     if (fragment.object.y & THREE_COLORS) != 0u {
         let red = refraction(fragment.origin_red, fragment.direction_red);
@@ -109,7 +108,7 @@ fn refracted_color(fragment: RefractorFragment) -> vec4f {
     } else if way == LOST {
         color = sky_color(fragment.direction_green.xyz, projection.base.w);
     }
-    return vec4f(fragment.origin_green.w * tint * tint * color, 1.0);
+    return vec4f(fragment.origin_green.w * lens_tint(fragment.object.x) * color, 1.0);
 }
 
 @fragment

@@ -150,7 +150,8 @@ def plan_map(sight: Sight, faces: np.ndarray, hider: np.ndarray, world: World, o
         return None
     viewpoint, frame = _map_frame(rays.origins[facing], directions[facing], weights, options.align)
     normal = _near_normal(weights, outward[facing], directions[facing], frame)
-    past, top = past_frame(rays, directions, hider, facing, normal, world)
+    own = tuple(mesh + 1 for mesh in sight.side.meshes)
+    past, top = past_frame(rays, directions, np.where(np.isin(hider, own), 0, hider), facing, normal, world)
     if not options.cast:
         # What lies on the mirror stands for what is found to hide its vertices.
         covered = sight.side.covered[vertices]
@@ -167,14 +168,15 @@ def plan_map(sight: Sight, faces: np.ndarray, hider: np.ndarray, world: World, o
         near_plane[3] = -(foremost if options.strict else max(foremost, top)) - clearance
 
     # Steps 3.1 to 3.3: where the lines from the viewpoint to the hits cross the projection plane.
-    own = tuple(mesh + 1 for mesh in sight.side.meshes)
     found = [_looked_up(each, frame, facing, near_plane, past, own, world, options) for each in bundles]
     hits, distances, places, inside = (np.stack(parts) for parts in zip(*found, strict=True))
     if options.strict:
         for number, each in enumerate(bundles):
             ways = each.unit_directions()
-            first = world.caster.cast(each.origins, ways, world.caster.near).distance
-            inside[number] &= (hider > 0) | ~facing | (first >= crossings(each.origins, ways, near_plane))
+            first = world.caster.cast(each.origins, ways, world.caster.near)
+            met = first.triangle >= 0
+            ends = each.origins + np.where(met, first.distance, 0.0)[:, None] * ways
+            inside[number] &= (hider > 0) | ~facing | ~met | (ends @ near_plane[:3] + near_plane[3] >= 0.0)
     if not (inside & facing).any():
         return None
     # What is seen of a triangle may reach up to its vertices that are not.
@@ -197,7 +199,7 @@ def plan_map(sight: Sight, faces: np.ndarray, hider: np.ndarray, world: World, o
     projections = [map_projection(frame, bounds, near_plane, world.corners)]
     if frame.convergence < 0.0:
         projections.insert(0, far_projection(frame, bounds))
-        if not world.visible(projections[1].clip).any():
+        if not np.delete(world.visible(projections[1].clip), sight.side.meshes).any():
             projections.pop()
     texels, used = _texels(rays, texcoords[0], valid[0] & facing, np.ptp(bounds, axis=0))
     sizes = (texels,) * len(projections)
@@ -276,7 +278,10 @@ def _map_frame(
 
 
 def _aligned(axes: np.ndarray, directions: np.ndarray, weights: np.ndarray) -> np.ndarray:
-    """The axes turned by up to 45 degrees, to the principal directions of the rays' slopes (4.3)."""
+    """The axes turned by up to 45 degrees, to the principal directions of the rays' slopes (4.3).
+
+    They stay where that does not make the rectangle around the slopes smaller.
+    """
     across, along = directions @ axes[:2].T, directions @ axes[2]
     ahead = along > 1e-3
     slopes = across[ahead] / along[ahead, None]
@@ -288,6 +293,10 @@ def _aligned(axes: np.ndarray, directions: np.ndarray, weights: np.ndarray) -> n
     angle = np.arctan2(vectors[1, 1], vectors[0, 1])
     angle -= 0.5 * np.pi * np.rint(angle / (0.5 * np.pi))
     cosine, sine = np.cos(angle), np.sin(angle)
+    counted = slopes[shares > 0.0]
+    turned = counted @ np.array([[cosine, -sine], [sine, cosine]])
+    if np.ptp(turned, axis=0).prod() >= np.ptp(counted, axis=0).prod():
+        return axes
     return np.stack([cosine * axes[0] + sine * axes[1], cosine * axes[1] - sine * axes[0], axes[2]])
 
 
@@ -309,8 +318,10 @@ def _near_plane(
     clearance = CLEARANCE * size_of(origins)
     # Half the way to what stands behind: between the vertices it may be nearer.
     level = max(float(heights.min()) - clearance, float((heights - 0.5 * behind).max()))
-    if frame.convergence > 0.0:
-        level = max(level, float(viewpoint[:3] @ normal / viewpoint[3]) + 1e2 * clearance)
+    if frame.convergence != 0.0:
+        # Lines of sight leave the viewpoint before they cross the plane, or end there after it.
+        limit = float(viewpoint[:3] @ normal / viewpoint[3]) + 1e2 * clearance * np.sign(frame.convergence)
+        level = max(level, limit) if frame.convergence > 0.0 else min(level, limit)
     return np.append(normal, -min(level, float(heights.max()) + clearance))
 
 

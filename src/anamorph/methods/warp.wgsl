@@ -170,7 +170,8 @@ fn found_color(start: Place, ray: Ray, dx: vec2f, dy: vec2f) -> vec3f {
     var color = sampled(beyond.at, 0, dx, dy).rgb;
     for (var side = 1; side < maps.sides; side++) {
         let before = refine(start, side, ray);
-        if hides(before, beyond) {
+        // Unrefined, the map's own emptiness says where nothing is: its depth is not even drawn.
+        if REFINEMENTS == 0 || hides(before, beyond) {
             let nearer = sampled(before.at, side, dx, dy);
             color = nearer.rgb + (1.0 - nearer.a) * color;
         }

@@ -90,8 +90,8 @@ def measure(truth: Frame, frame: Frame) -> Errors:
     angular, pixels = _geometry(truth, frame, specular)
     colors = color_errors(true_color, color, specular)
     return Errors(
-        angular_mrad=_statistics(angular[inside]),
-        pixels=_statistics(pixels[inside]),
+        angular_mrad=statistics(angular[inside]),
+        pixels=statistics(pixels[inside]),
         other_object_percent=_percent(other_object, inside),
         silhouette_percent=_percent(silhouette, specular),
         rmse=colors.rmse,
@@ -138,7 +138,8 @@ def _geometry(truth: Frame, frame: Frame, specular: np.ndarray) -> tuple[np.ndar
     return angular, pixels
 
 
-def _statistics(values: np.ndarray) -> Statistics:
+def statistics(values: np.ndarray) -> Statistics:
+    """Of the values (N,)."""
     if not len(values):
         return Statistics(None, None, None)
     median, p95 = np.percentile(values, [50.0, 95.0])

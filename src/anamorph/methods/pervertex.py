@@ -29,7 +29,7 @@ from anamorph.methods.pictures import Picture, PictureOptions, Pictures, Seen
 from anamorph.methods.protocol import Method, Session
 from anamorph.methods.session import DrawingSession, Stage
 from anamorph.methods.warp import PlanOptions
-from anamorph.methods.world import world_of
+from anamorph.methods.world import World, world_of
 from anamorph.optics.tessellation import refined_scene
 from anamorph.scene.camera import Camera
 from anamorph.scene.geometry import Geometry
@@ -180,11 +180,22 @@ class PerVertexDrawing:
         self._world = world_of(geometry, caster)
         self._pictures.moved(self._world)
 
+    @property
+    def world(self) -> World:
+        """What the rays may hit."""
+        return self._world
+
+    def plan(self, camera: Camera) -> Picture | None:
+        """Plan all maps (steps 1 to 3) for a frame from `camera`; None where no mirror or lens is seen."""
+        balls = self._draw_balls if self._overlays else None
+        eye = camera.eye(self._stage.view.size)
+        self._picture = self._pictures.plan(eye, np.asarray(camera.position, float), balls)
+        return self._picture
+
     def prepare(self, encoder: wgpu.GPUCommandEncoder, camera: Camera, shift: tuple[float, float]) -> None:
         """Steps 1 to 3: plan all maps, and draw them."""
         size = self._stage.view.size
-        balls = self._draw_balls if self._overlays else None
-        self._picture = self._pictures.plan(camera.eye(size), np.asarray(camera.position, float), balls)
+        self.plan(camera)
         for seen in self._picture.seen if self._overlays and self._picture is not None else ():
             self._overlays[seen.sight.side].place(seen.hits, _ball_radii(seen, camera, size))
         looks = self._options.refine > 0 or self._mender is not None

@@ -46,6 +46,8 @@ class Seen:
         How far that is; infinite for the sky, and where no map shows the vertex.
     plans : tuple of MapPlan
         Of its patches.
+    patches : tuple of int arrays
+        The faces of each, by their numbers in the ray mesh.
     """
 
     body: Body
@@ -53,6 +55,7 @@ class Seen:
     hits: np.ndarray
     distances: np.ndarray
     plans: tuple[MapPlan, ...]
+    patches: tuple[np.ndarray, ...]
 
 
 @dataclass(frozen=True, eq=False)
@@ -141,7 +144,7 @@ class Pictures:
             sight = see(body, eye)
             hits = np.zeros((len(hider), 3))
             distances = np.full(len(hider), np.inf)
-            plans = []
+            plans, patches = [], []
             for faces in divide(sight.rays, seen_faces(sight.rays, eye.size), np.radians(self._options.field)):
                 plan = plan_map(sight, faces, hider, self._world, self._options.plan)
                 if plan is None:
@@ -153,8 +156,9 @@ class Pictures:
                 draws.append(level.add(sight, faces, plan, range(first, first + len(views))))
                 hits[plan.vertices], distances[plan.vertices] = plan.hits, plan.distances
                 plans.append(plan)
+                patches.append(faces)
             if plans:
-                seen.append(Seen(body, sight, hits, distances, tuple(plans)))
+                seen.append(Seen(body, sight, hits, distances, tuple(plans), tuple(patches)))
         return Picture(level, tuple(draws), tuple(seen)) if draws else None
 
     def _size(self, plan: MapPlan) -> tuple[int, int]:

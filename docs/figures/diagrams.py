@@ -5,26 +5,26 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
+from figures import diagram as dg
+from figures.panels import Panel, draw, labelled, places
+from figures.warps import warps
 
 import anamorph as an
-from anamorph.methods.pervertex import Options
 from anamorph.optics.reflection import Reflector, reflected_rays, reflector
 from anamorph.optics.refraction import Refractor, refracted_rays, refractor
 from anamorph.optics.viewpoint import virtual_viewpoint
 from anamorph.raymesh import RayMesh
 from anamorph.scene import builtin
 from anamorph.scene.builtin.curvature_series import curved_mirror
-from anamorph.scene.camera import Eye
 from anamorph.scene.lens import Prescription, make_lens
-from figures import diagram as dg
-from figures.panels import Panel, draw, labelled, places
-from figures.warps import warps
 
 SIZE = (475, 440)
 UP, AHEAD, RIGHT = np.array([0.0, 1.0, 0.0]), np.array([0.0, 0.0, -1.0]), np.array([1.0, 0.0, 0.0])
 
 
-def rays_of(eye: np.ndarray, near: np.ndarray, rays: RayMesh, behind: float, ahead: float, radius: float) -> list[an.Mesh]:
+def rays_of(
+    eye: np.ndarray, near: np.ndarray, rays: RayMesh, behind: float, ahead: float, radius: float
+) -> list[an.Mesh]:
     """The eye's rays to a surface, those that leave it for `ahead` metres, and their extensions `behind` it."""
     ways = rays.unit_directions()
     incident = np.stack([np.broadcast_to(eye, near.shape), near], axis=1)
@@ -59,7 +59,9 @@ def viewpoint() -> list[list[Panel]]:
     panels = []
     for words, camera in views.items():
         picture = dg.drawing("viewpoint", meshes, camera)
-        at = places(picture.camera, SIZE, eye=eye, point=point, mirror=rays.origins[rays.origins[:, :2].sum(axis=1).argmax()])
+        at = places(
+            picture.camera, SIZE, eye=eye, point=point, mirror=rays.origins[rays.origins[:, :2].sum(axis=1).argmax()]
+        )
         x, y = at["eye"]
         u, v = at["point"]
         labels = [("eye", (x, y - 14), "mb"), ("virtual viewpoint", (u + 8, v + 26), "lt")]
@@ -134,7 +136,7 @@ def regions() -> list[list[Panel]]:
         (
             "(d) convex lens, the eye far from it",
             Prescription(7.0, base_curve=3.5, diameter=100.0, centre_thickness=20.0),
-            -0.14,
+            -0.11,
         ),
     ):
         lens = make_lens(prescription, (0.0, 0.0, 0.0), (0.0, 0.0, -1.0))
@@ -142,7 +144,7 @@ def regions() -> list[list[Panel]]:
         eye = (0.0, 0.0, 0.27)
         rays = refracted_rays(row, an.Camera(eye, (0.0, 0.0, 0.0)).eye((640, 480)))
         glass = [replace(mesh, material=an.Diffuse((0.72, 0.82, 0.90)), surface=None) for mesh in lens.meshes]
-        panels.append(Panel(_section(np.array(eye), row.positions, rays, glass, 0.48, middle), words))
+        panels.append(Panel(_section(np.array(eye), row.positions, rays, glass, 0.50, middle), words))
     return [panels[:2], panels[2:]]
 
 
@@ -166,7 +168,10 @@ def _section(
     ahead = float(np.mean(np.einsum("ij,ij->i", center - rays.origins, ways)))
     behind = 1.3 * max(-ahead, 0.0)
     meshes = [*rays_of(eye, near, rays, behind, 1.0, 0.0028 * height), *bodies]
-    meshes += [dg.balls([eye], 0.022 * height, dg.EYE, "eye"), dg.balls([center], 0.022 * height, dg.VIEWPOINT, "point")]
+    meshes += [
+        dg.balls([eye], 0.022 * height, dg.EYE, "eye"),
+        dg.balls([center], 0.022 * height, dg.VIEWPOINT, "point"),
+    ]
     size = (475, 270)
     camera = dg.far_camera(np.array([0.0, 0.0, middle]), UP, RIGHT, height)
     at = places(camera, size, eye=eye, point=center, start=rays.origins.mean(axis=0))

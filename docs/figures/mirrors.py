@@ -7,21 +7,21 @@ from importlib.util import find_spec
 from pathlib import Path
 
 import numpy as np
+from figures import diagram as dg
+from figures.panels import HALF, WARP, Panel, cropped, draw, labelled, lined, outlined, places, shrunk
+from figures.warps import warps
 
 import anamorph as an
-from anamorph.frame import View
+from anamorph.frame import Frame, View
 from anamorph.measure.continuity import continuity
 from anamorph.measure.errors import measure
 from anamorph.methods.pervertex import Options
 from anamorph.output import to_pixels
 from anamorph.scene import builtin
 from anamorph.scene.builtin.car_mirror import REARWARD, foot, glass, housing, mirror_sphere
-from anamorph.scene.builtin.curvature_series import one_mirror
+from anamorph.scene.builtin.curvature_series import RADII, one_mirror
 from anamorph.scene.cad import FaceChoice, chosen_faces
 from anamorph.scene.placing import replace_mirror
-from figures import diagram as dg
-from figures.panels import HALF, WARP, Panel, cropped, draw, lined, outlined, shrunk
-from figures.warps import warps
 
 THIRD = (313, 235)
 LARGE = (960, 720)
@@ -35,6 +35,8 @@ PATCHES = np.array(
     ]
 )  # fmt: skip
 """Linear colours of patches."""
+BRIGHT = 0.2
+"""Pixels of continuity error that are drawn yellow."""
 
 
 def cad() -> list[list[Panel]]:
@@ -60,18 +62,17 @@ def cad() -> list[list[Panel]]:
 def subdivision() -> list[list[Panel]]:
     """Figure 6: the patches of the teapot and of the torus, each of which has a map of its own."""
     rows = []
-    for name, box in (("room", (150, 190, 790, 670)), ("torus", (200, 60, 760, 480 + 60 - 60))):
+    for name, box in (("room", (150, 190, 790, 670)), ("torus", (155, 80, 775, 545))):
         scene = builtin.make(name)
         found = warps(scene, LARGE)
         patches = [warp.mesh(tuple(PATCHES[i % len(PATCHES)]), f"patch-{i}") for i, warp in enumerate(found)]
         rest = tuple(mesh for mesh in scene.meshes if not mesh.specular)
         colored = replace(scene, meshes=(*patches, *rest))
-        size = tuple(THIRD)
         rows.append(
             [
-                Panel(cropped(draw(colored, size=LARGE), box, size, smooth=True), f"{len(found)} patches"),
-                Panel(cropped(draw(scene, size=LARGE), box, size, smooth=True), "per-vertex"),
-                Panel(cropped(draw(scene, "raytrace", LARGE), box, size, smooth=True), "truth"),
+                Panel(cropped(draw(colored, size=LARGE), box, THIRD, smooth=True), f"{len(found)} patches"),
+                Panel(cropped(draw(scene, size=LARGE), box, THIRD, smooth=True), "per-vertex"),
+                Panel(cropped(draw(scene, "raytrace", LARGE), box, THIRD, smooth=True), "truth"),
             ]
         )
     return rows
@@ -85,30 +86,58 @@ def continuity_of_two() -> list[list[Panel]]:
     errors = continuity(View(scene, scene.camera, LARGE), options)
     picture = draw(scene, f"{WARP},field=30", LARGE)
     dots = picture.copy()
+    rows, columns = np.ogrid[: dots.shape[0], : dots.shape[1]]
     for (x, y), pixels in zip(errors.places, errors.pixels, strict=True):
-        rows, columns = np.ogrid[: dots.shape[0], : dots.shape[1]]
-        dots[(columns + 0.5 - x) ** 2 + (rows + 0.5 - y) ** 2 < 16.0] = false_color(pixels)
-    box = (160, 120, 800, 600)
-    size = (475, 356)
-    stats = errors.in_picture
-    words = f"along the border: median {stats.median:.2f}, at most {stats.max:.2f} pixels (dark 0, yellow 1)"
+        away = (columns + 0.5 - x) ** 2 + (rows + 0.5 - y) ** 2
+        dots[away < 49.0] = 255
+        dots[away < 30.0] = false_color(pixels / BRIGHT)
+    named = [f"{name} {_typical(name)}" for name in ("torus", "room", "saddle")]
+    words = f"along the border, {_typical('car-mirror', options)} px"
+    words += f"\n(dark 0, yellow {BRIGHT:g} px and more; 960 x 720)"
     maps = [
-        Panel(fitted(lined(warp.map, warp.mesh_in_map(), (255, 255, 255)), size), f"map {i + 1}, and its patch in it")
-        for i, warp in enumerate(found)
+        fitted(lined(warp.map, warp.mesh_in_map(), (255, 255, 255), 2), size)
+        for warp, size in zip(found, ((475, 300), (240, 300)), strict=True)
     ]
     return [
         [
-            Panel(cropped(picture, box, size, smooth=True), f"{len(found)} patches with a map each"),
-            Panel(cropped(dots, box, size, smooth=True), words),
+            Panel(cropped(picture, (0, 0, *LARGE), HALF, smooth=True), "two patches with a map each"),
+            Panel(cropped(dots, (0, 0, *LARGE), HALF, smooth=True), words),
         ],
-        maps,
+        [
+            Panel(maps[0], "map 1, and its patch in it"),
+            Panel(maps[1], "map 2"),
+            Panel(np.full((300, 225, 3), 255, np.uint8), ""),
+        ],
+        [Panel(np.full((1, 960, 3), 255, np.uint8), "patches of other scenes, px: " + ";  ".join(named))],
     ]
+
+
+def _typical(name: str, options: Options | None = None) -> str:
+    """The continuity error of a scene in words."""
+    scene = builtin.make(name)
+    errors = continuity(View(scene, scene.camera, LARGE), options)
+    found = errors.in_picture
+    return f"median {found.median:.2f}, {100.0 * (errors.pixels < 1.0).mean():.0f}% below 1"
 
 
 def curvature() -> list[list[Panel]]:
     """Figure 9: mirrors from convex over flat to concave."""
-    name = "curvature-series"
-    return [[Panel(draw(name, size=(475, 440)), "per-vertex"), Panel(draw(name, "raytrace", (475, 440), 3), "truth")]]
+    scene, size = builtin.make("curvature-series"), (475, 450)
+    plates = {
+        f"R{i}": next(mesh for mesh in scene.meshes if mesh.name == f"stand-{i + 1}/label").positions.mean(axis=0)
+        for i in range(len(RADII))
+    }
+    at = places(scene.camera, size, **plates)
+    labels = [
+        ("flat" if np.isinf(radius) else f"R = {radius:+g} m", at[f"R{i}"], "mm") for i, radius in enumerate(RADII)
+    ]
+    drawn = draw(scene, size=size), draw(scene, "raytrace", size)
+    return [
+        [
+            Panel(labelled(pixels, labels, 15), words)
+            for pixels, words in zip(drawn, ("per-vertex", "truth"), strict=True)
+        ]
+    ]
 
 
 def alignment() -> list[list[Panel]]:
@@ -131,11 +160,11 @@ def alignment() -> list[list[Panel]]:
 
 def two_bounces() -> list[list[Panel]]:
     """Figure 11: the town in the windows of cars, and these in the door mirror."""
-    box = (330, 230, 330 + 240, 230 + 180)
+    box = (400, 300, 400 + 240, 300 + 180)
     whole, truth = draw("car-windows", size=LARGE), draw("car-windows", "raytrace", LARGE, 3)
     return [
         [
-            Panel(cropped(outlined(whole, box, 3), (0, 0, *LARGE), HALF, smooth=True), "per-vertex"),
+            Panel(cropped(outlined(whole, box, 4), (0, 0, *LARGE), HALF, smooth=True), "per-vertex"),
             Panel(cropped(truth, (0, 0, *LARGE), HALF, smooth=True), "truth"),
         ],
         [
@@ -158,18 +187,65 @@ def occlusion() -> list[list[Panel]]:
     errors, traced = grey.astype(np.uint8), grey.astype(np.uint8)
     errors[wrong] = (200, 30, 20)
     traced[mirror & (mended.status == an.Status.TRACED)] = (230, 140, 10)
-    box, size = (230, 60, 730, 435 + 60 - 60), HALF
+    box = (230, 60, 730, 435)
     share = 100.0 * (mended.status[mirror] == an.Status.TRACED).mean()
+
+    def part(pixels: np.ndarray) -> np.ndarray:
+        return cropped(pixels, box, HALF, smooth=True)
+
     return [
         [
-            Panel(cropped(to_pixels(plain.color), box, size, smooth=True), "per-vertex: its bezel hides the room's edges"),
-            Panel(cropped(errors, box, size, smooth=True), f"red: shows another thing, {100 * wrong[mirror].mean():.2f}% of the mirror"),
+            Panel(part(to_pixels(plain.color)), "per-vertex: the frame hides the room's edges"),
+            Panel(part(errors), f"red: shows another thing, {100.0 * wrong[mirror].mean():.2f}% of the mirror"),
         ],
         [
-            Panel(cropped(traced, box, size, smooth=True), f"orange: found doubtful and traced, {share:.1f}%"),
-            Panel(cropped(to_pixels(mended.color), box, size, smooth=True), f"tolerance=0.5: {100 * still[mirror].mean():.2f}% show another thing"),
+            Panel(part(traced), f"orange: found doubtful and traced, {share:.1f}%"),
+            Panel(
+                part(to_pixels(mended.color)), f"tolerance=0.5: {100.0 * still[mirror].mean():.2f}% show another thing"
+            ),
         ],
+        [_one_hidden_hit(scene, truth, plain, wrong)],
     ]
+
+
+def _one_hidden_hit(scene: an.Scene, truth: Frame, plain: Frame, wrong: np.ndarray) -> Panel:
+    """The ray of a wrong pixel, and the line of sight from the virtual viewpoint to the same point."""
+    assert truth.ray_origin is not None and truth.position is not None and plain.position is not None
+    rows, columns = np.nonzero(wrong & (np.arange(wrong.shape[1]) > wrong.shape[1] // 2))
+    pick = np.lexsort((rows, -columns))[0]
+    pixel = rows[pick], columns[pick]
+    origin, hit, hidden = (
+        np.asarray(buffer[pixel], float) for buffer in (truth.ray_origin, truth.position, plain.position)
+    )
+    point = warps(scene, LARGE)[0].plan.viewpoint
+    point = point[:3] / point[3]
+    eye = np.asarray(scene.camera.position, float)
+    toward = (eye - origin) / np.linalg.norm(eye - origin)
+    mirror = next(mesh for mesh in scene.meshes if mesh.name == "mirror-1")
+    bezel = next(mesh for mesh in scene.meshes if mesh.name.endswith("bezel"))
+    meshes = [
+        replace(mirror, material=an.Diffuse((0.70, 0.80, 0.88)), surface=None, parameters=None),
+        bezel,
+        dg.rods(np.stack([[origin + 0.9 * toward, origin]]), 0.003, dg.INCIDENT, "incident"),
+        dg.rods(np.stack([[origin, hit]]), 0.003, dg.REFLECTED, "ray"),
+        dg.rods(np.stack([[point, hit]]), 0.003, dg.VIEWPOINT, "sight"),
+        dg.balls([point], 0.016, dg.VIEWPOINT, "viewpoint"),
+        dg.balls([hidden], 0.012, dg.EXTENDED, "hidden"),
+    ]
+    along = hit - origin
+    along[1] = 0.0
+    along /= np.linalg.norm(along)
+    up, height, size = np.cross((0.0, 1.0, 0.0), along), 0.34, (960, 300)
+    middle = 0.5 * (point + origin) + 0.18 * along
+    camera = dg.far_camera(middle, (0.0, 1.0, 0.0), up.tolist(), height)
+    pixels = draw(dg.drawing("hidden", meshes, camera), size=size)
+    at = places(camera, size, point=point, hidden=hidden, hit=origin + 0.55 * along)
+    labels = [
+        ("virtual viewpoint", (at["point"][0], at["point"][1] + 22), "mt"),
+        ("in the way", (at["hidden"][0] + 16, at["hidden"][1] + 22), "lt"),
+    ]
+    words = "from above: the reflected ray (teal) passes the frame, the line of sight to the same point (red) meets it"
+    return Panel(labelled(pixels, labels), words)
 
 
 def false_color(pixels: float) -> np.ndarray:

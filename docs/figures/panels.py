@@ -20,7 +20,7 @@ LINE = 21
 INK = (30, 34, 40)
 HALF = (475, 356)
 """Size of one of two panels beside each other, pixels."""
-WARP = "pervertex:antialias=4,mipmaps=true"
+WARP = "pervertex:antialias=4"
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,9 +65,7 @@ def save(path: Path, rows: Sequence[Sequence[Panel]]) -> None:
     print(path, f"{path.stat().st_size / 1000:.0f} kB")
 
 
-def labelled(
-    pixels: np.ndarray, labels: Sequence[tuple[str, tuple[float, float], str]], size: int = 18
-) -> np.ndarray:
+def labelled(pixels: np.ndarray, labels: Sequence[tuple[str, tuple[float, float], str]], size: int = 18) -> np.ndarray:
     """Pixels with words at places (x, y); the third entry is PIL's anchor, as "lm" for left and middle."""
     image = Image.fromarray(pixels)
     draw = ImageDraw.Draw(image)
@@ -98,9 +96,9 @@ def cropped(
 
 
 def outlined(pixels: np.ndarray, box: tuple[int, int, int, int], width: int) -> np.ndarray:
-    """Pixels with a red frame, `width` pixels thick, around a box (left, top, right, bottom)."""
+    """Pixels with a dark frame, `width` pixels thick, around a box (left, top, right, bottom)."""
     image = Image.fromarray(pixels)
-    ImageDraw.Draw(image).rectangle(box, outline=(210, 20, 20), width=width)
+    ImageDraw.Draw(image).rectangle(box, outline=INK, width=width)
     return np.asarray(image)
 
 
@@ -109,7 +107,7 @@ def shrunk(pixels: np.ndarray, size: tuple[int, int]) -> np.ndarray:
     return np.asarray(Image.fromarray(pixels).resize(size, Image.Resampling.LANCZOS))
 
 
-def draw(scene: an.Scene | str, method: str = WARP, size: tuple[int, int] = HALF, samples: int = 2) -> np.ndarray:
+def draw(scene: an.Scene | str, method: str = WARP, size: tuple[int, int] = HALF, samples: int = 3) -> np.ndarray:
     """A smooth picture as pixels."""
     return to_pixels(an.render(scene, method=method, size=size, samples=samples).color)
 

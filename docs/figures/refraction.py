@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+from figures.panels import HALF, WARP, Panel, cropped, draw, outlined
+
 import anamorph as an
 from anamorph.optics.dispersion import line_indices
 from anamorph.scene import builtin
 from anamorph.scene.builtin.lenses import EYE, GAZE, PLUS, rim
 from anamorph.scene.lens import worn_lens
-from figures.panels import HALF, WARP, Panel, cropped, draw, outlined
 
 INDICES = (1.60, 1.62)
 """Of red and of blue light in Figure 15."""
@@ -33,9 +34,10 @@ def reversed_image() -> list[list[Panel]]:
 
 def overlay() -> list[list[Panel]]:
     """Figure 14: the balls at the hits of the refracted rays, seen through the lens at its vertices."""
-    pixels = draw("spectacles-minus", f"{WARP},overlay=true", (1425, 1068))
-    box = (330, 430, 330 + 380, 430 + 285)
-    whole = cropped(outlined(pixels, box, 5), (0, 0, 1425, 1068), HALF, smooth=True)
+    size = (2375, 1780)
+    pixels = draw("spectacles-minus", f"{WARP},overlay=true", size)
+    box = (600, 690, 600 + 475, 690 + 356)
+    whole = cropped(outlined(pixels, box, 14), (0, 0, *size), HALF, smooth=True)
     return [[Panel(whole, "the lens's mesh, and balls at the hits"), Panel(cropped(pixels, box, HALF), "enlarged")]]
 
 
@@ -43,11 +45,14 @@ def dispersion() -> list[list[Panel]]:
     """Figure 15: a convex lens whose index is 1.60 for red light and 1.62 for blue."""
     scene, words = chromatic()
     size, box = (1900, 1424), (560, 170, 560 + 475, 170 + 356)
-    fringed, truth = draw(scene, size=size), draw(scene, "raytrace", size, samples=2)
-    whole = cropped(outlined(fringed, box, 6), (0, 0, *size), HALF, smooth=True)
+    fringed, truth = draw(scene, size=size, samples=1), draw(scene, "raytrace", size, samples=2)
+    whole = cropped(outlined(fringed, box, 9), (0, 0, *size), HALF, smooth=True)
     return [
         [Panel(whole, words), Panel(draw(scene, "raytrace:dispersion=false"), "truth with one index")],
-        [Panel(cropped(fringed, box, HALF), "per-vertex, enlarged"), Panel(cropped(truth, box, HALF), "truth, enlarged")],
+        [
+            Panel(cropped(fringed, box, HALF), "per-vertex, enlarged"),
+            Panel(cropped(truth, box, HALF), "truth, enlarged"),
+        ],
     ]
 
 
@@ -62,7 +67,7 @@ def chromatic() -> tuple[an.Scene, str]:
     abbe = (index - 1.0) / (blue - red)
     scene = builtin.make("spectacles-plus")
     lens = worn_lens(replace(PLUS, index=index, abbe=abbe), EYE, GAZE)
-    rest = tuple(mesh for mesh in scene.meshes if not mesh.specular and mesh.name != "rim")
+    rest = tuple(mesh for mesh in scene.meshes if not mesh.specular and mesh.name not in ("rim", "lens/edge"))
     mount = rim(lens, GAZE, 0.0012).mesh("rim", next(mesh for mesh in scene.meshes if mesh.name == "rim").material)
     indices = line_indices(index, abbe)
     words = "per-vertex; n = " + ", ".join(f"{n:.3f}" for n in indices) + f" (Abbe number {abbe:.1f})"

@@ -13,14 +13,17 @@ from figures.warps import warps
 
 import anamorph as an
 from anamorph.frame import Frame, View
+from anamorph.measure.angles import normalized
 from anamorph.measure.continuity import continuity
 from anamorph.measure.errors import measure
 from anamorph.methods.pervertex import Options
 from anamorph.output import to_pixels
+from anamorph.rays import Caster
 from anamorph.scene import builtin
 from anamorph.scene.builtin.car_mirror import REARWARD, foot, glass, housing, mirror_sphere
 from anamorph.scene.builtin.curvature_series import RADII, one_mirror
 from anamorph.scene.cad import FaceChoice, chosen_faces
+from anamorph.scene.geometry import flatten
 from anamorph.scene.placing import replace_mirror
 
 THIRD = (313, 235)
@@ -204,48 +207,57 @@ def occlusion() -> list[list[Panel]]:
                 part(to_pixels(mended.color)), f"tolerance=0.5: {100.0 * still[mirror].mean():.2f}% show another thing"
             ),
         ],
-        [_one_hidden_hit(scene, truth, plain, wrong)],
+        [_one_hidden_hit(scene, truth, wrong)],
     ]
 
 
-def _one_hidden_hit(scene: an.Scene, truth: Frame, plain: Frame, wrong: np.ndarray) -> Panel:
-    """The ray of a wrong pixel, and the line of sight from the virtual viewpoint to the same point."""
-    assert truth.ray_origin is not None and truth.position is not None and plain.position is not None
-    rows, columns = np.nonzero(wrong & (np.arange(wrong.shape[1]) > wrong.shape[1] // 2))
-    pick = np.lexsort((rows, -columns))[0]
-    pixel = rows[pick], columns[pick]
-    origin, hit, hidden = (
-        np.asarray(buffer[pixel], float) for buffer in (truth.ray_origin, truth.position, plain.position)
-    )
-    point = warps(scene, LARGE)[0].plan.viewpoint
-    point = point[:3] / point[3]
-    eye = np.asarray(scene.camera.position, float)
-    toward = (eye - origin) / np.linalg.norm(eye - origin)
+def _one_hidden_hit(scene: an.Scene, truth: Frame, wrong: np.ndarray) -> Panel:
+    """The ray of a wrong pixel, and the line of sight from the virtual viewpoint to the point that it hits."""
+    assert truth.ray_origin is not None and truth.position is not None
     mirror = next(mesh for mesh in scene.meshes if mesh.name == "mirror-1")
     bezel = next(mesh for mesh in scene.meshes if mesh.name.endswith("bezel"))
+    origins, hits = (np.asarray(buffer[wrong], float) for buffer in (truth.ray_origin, truth.position))
+    patches = warps(scene, LARGE)
+    rays = patches[0].sight.rays
+    middles = rays.origins[rays.faces].mean(axis=1)
+    face = np.linalg.norm(origins[:, None] - middles, axis=2).argmin(axis=1)
+    # The patch with the most wrong pixels, and of these the one in the middle of those whose hits the frame hides.
+    patch = max(patches, key=lambda each: int(np.isin(face, each.faces).sum()))
+    own = np.isin(face, patch.faces)
+    origins, hits = origins[own], hits[own]
+    point = patch.plan.viewpoint[:3] / patch.plan.viewpoint[3]
+    share = Caster(flatten(replace(scene, meshes=(bezel,)))).cast(hits, point - hits).distance
+    crossings = hits + np.minimum(share, 1.0)[:, None] * (point - hits)
+    _, _, z, w = patch.plan.projections[0].clip @ np.column_stack([crossings, np.ones(len(hits))]).T
+    hidden = np.flatnonzero((share < 1.0) & (z < w))
+    pick = hidden[len(hidden) // 2]
+    origin, hit = origins[pick], hits[pick]
+    blocked = crossings[pick]
+    eye = np.asarray(scene.camera.position, float)
+    toward = (eye - origin) / np.linalg.norm(eye - origin)
     meshes = [
         replace(mirror, material=an.Diffuse((0.70, 0.80, 0.88)), surface=None, parameters=None),
         bezel,
-        dg.rods(np.stack([[origin + 0.9 * toward, origin]]), 0.003, dg.INCIDENT, "incident"),
-        dg.rods(np.stack([[origin, hit]]), 0.003, dg.REFLECTED, "ray"),
-        dg.rods(np.stack([[point, hit]]), 0.003, dg.VIEWPOINT, "sight"),
-        dg.balls([point], 0.016, dg.VIEWPOINT, "viewpoint"),
-        dg.balls([hidden], 0.012, dg.EXTENDED, "hidden"),
+        dg.rods(np.stack([[origin + 0.9 * toward, origin]]), 0.002, dg.INCIDENT, "incident"),
+        dg.rods(np.stack([[origin, hit]]), 0.002, dg.REFLECTED, "ray"),
+        dg.rods(np.stack([[point, hit]]), 0.002, dg.VIEWPOINT, "sight"),
+        dg.balls([point], 0.010, dg.VIEWPOINT, "viewpoint"),
+        dg.balls([blocked], 0.006, dg.EXTENDED, "blocked"),
     ]
-    along = hit - origin
-    along[1] = 0.0
-    along /= np.linalg.norm(along)
-    up, height, size = np.cross((0.0, 1.0, 0.0), along), 0.34, (960, 300)
-    middle = 0.5 * (point + origin) + 0.18 * along
-    camera = dg.far_camera(middle, (0.0, 1.0, 0.0), up.tolist(), height)
-    pixels = draw(dg.drawing("hidden", meshes, camera), size=size)
-    at = places(camera, size, point=point, hidden=hidden, hit=origin + 0.55 * along)
+    along = normalized(hit - origin)
+    across = normalized(np.cross(along, point - origin))
+    across *= np.sign(across[1])
+    height, size = 0.26, (960, 250)
+    camera = dg.far_camera(
+        0.5 * (point + origin) + 0.16 * along, across.tolist(), np.cross(across, along).tolist(), height
+    )
+    at = places(camera, size, point=point, blocked=blocked)
     labels = [
-        ("virtual viewpoint", (at["point"][0], at["point"][1] + 22), "mt"),
-        ("in the way", (at["hidden"][0] + 16, at["hidden"][1] + 22), "lt"),
+        ("virtual viewpoint", (at["point"][0], at["point"][1] + 18), "mt"),
+        ("in the way", (at["blocked"][0] + 4, at["blocked"][1] + 16), "lt"),
     ]
-    words = "from above: the reflected ray (teal) passes the frame, the line of sight to the same point (red) meets it"
-    return Panel(labelled(pixels, labels), words)
+    words = "one reflected ray (teal) passes the frame; the line of sight to the same point (red) meets it"
+    return Panel(labelled(draw(dg.drawing("hidden", meshes, camera), size=size), labels), words)
 
 
 def false_color(pixels: float) -> np.ndarray:

@@ -160,6 +160,7 @@ def test_a_diagrams_view_volume_is_that_of_the_projection(figures):
     for corners in (near, far):
         x, y, _, w = projection.clip @ np.column_stack([corners, np.ones(4)]).T
         assert np.abs([x / w, y / w]) == pytest.approx(1.0, abs=1e-6)
+    assert (far[:, 2] < near[:, 2]).all(), "the camera looks along -z"
 
 
 def test_the_script_knows_every_figure_of_the_page(figures):

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 import anamorph as an
 from anamorph.projection import Projection
@@ -106,11 +107,13 @@ def drawing(name: str, meshes: Sequence[an.Mesh], camera: an.Camera) -> an.Scene
     )
 
 
-def far_camera(target: np.ndarray, toward: Sequence[float], up: Sequence[float], height: float) -> an.Camera:
+def far_camera(target: np.ndarray, toward: ArrayLike, up: ArrayLike, height: float) -> an.Camera:
     """A camera so far away that parallels stay parallel, which sees `height` metres around `target`."""
     distance = 40.0 * height
     x, y, z = np.asarray(target) + distance * np.asarray(toward, float) / np.linalg.norm(toward)
     fov = float(np.degrees(2.0 * np.arctan(0.5 * height / distance)))
     a, b, c = target
-    u, v, w = up
-    return an.Camera((float(x), float(y), float(z)), (float(a), float(b), float(c)), (u, v, w), fov)
+    u, v, w = np.asarray(up, float)
+    return an.Camera(
+        (float(x), float(y), float(z)), (float(a), float(b), float(c)), (float(u), float(v), float(w)), fov
+    )

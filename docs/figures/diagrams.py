@@ -140,18 +140,18 @@ def regions() -> list[list[Panel]]:
         ),
     ):
         lens = make_lens(prescription, (0.0, 0.0, 0.0), (0.0, 0.0, -1.0))
-        row = _row(refractor(lens.meshes[1], lens.meshes[0]), lens.meshes[1], 9, 0.044)
+        lens_row = _row(refractor(lens.meshes[1], lens.meshes[0]), lens.meshes[1], 9, 0.044)
         eye = (0.0, 0.0, 0.27)
-        rays = refracted_rays(row, an.Camera(eye, (0.0, 0.0, 0.0)).eye((640, 480)))
+        rays = refracted_rays(lens_row, an.Camera(eye, (0.0, 0.0, 0.0)).eye((640, 480)))
         glass = [replace(mesh, material=an.Diffuse((0.72, 0.82, 0.90)), surface=None) for mesh in lens.meshes]
-        panels.append(Panel(_section(np.array(eye), row.positions, rays, glass, 0.50, middle), words))
+        panels.append(Panel(_section(np.array(eye), lens_row.positions, rays, glass, 0.50, middle), words))
     return [panels[:2], panels[2:]]
 
 
 def _row(lens: Refractor, near: an.Mesh, count: int, half: float) -> Refractor:
     """A lens whose vertices are a row across its near face."""
     across = np.linspace(-half, half, count)
-    assert near.surface is not None
+    assert isinstance(near.surface, an.Sphere)
     parameters = near.surface.parameters(np.column_stack([across, np.zeros((count, 2))]))
     positions, normals = near.surface.position(parameters), near.surface.normal(parameters)
     sign = 1.0 if normals[count // 2] @ lens.axis < 0.0 else -1.0

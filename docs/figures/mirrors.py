@@ -111,7 +111,7 @@ def continuity_of_two() -> list[list[Panel]]:
             Panel(maps[1], "map 2"),
             Panel(np.full((300, 225, 3), 255, np.uint8), ""),
         ],
-        [Panel(np.full((1, 960, 3), 255, np.uint8), "patches of other scenes, px: " + ";  ".join(named))],
+        [Panel(np.full((1, 960, 3), 255, np.uint8), "other scenes, px: " + ";  ".join(named))],
     ]
 
 
@@ -120,7 +120,7 @@ def _typical(name: str, options: Options | None = None) -> str:
     scene = builtin.make(name)
     errors = continuity(View(scene, scene.camera, LARGE), options)
     found = errors.in_picture
-    return f"median {found.median:.2f}, {100.0 * (errors.pixels < 1.0).mean():.0f}% below 1"
+    return f"median {found.median:.2f}, {100.0 * (errors.pixels < 1.0).mean():.0f}% < 1"
 
 
 def curvature() -> list[list[Panel]]:
@@ -185,6 +185,7 @@ def occlusion() -> list[list[Panel]]:
     mended = an.render(scene, method="pervertex", size=LARGE, seen=True, tolerance=0.5)
     wrong = measure(truth, plain).maps.other_object
     still = measure(truth, mended).maps.other_object
+    assert truth.specular is not None and mended.status is not None
     mirror = truth.specular > 0
     grey = to_pixels(truth.color).mean(axis=2, keepdims=True).repeat(3, axis=2) * 0.4 + 140.0
     errors, traced = grey.astype(np.uint8), grey.astype(np.uint8)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ast
 import dataclasses
+import importlib
 import inspect
 import re
 import runpy
@@ -11,17 +12,20 @@ import shlex
 from functools import cache
 from pathlib import Path
 
+import numpy as np
 import pytest
 import trimesh
 
 from anamorph import cli
 from anamorph.measure.figures import ROWS
 from anamorph.methods import METHODS
+from anamorph.projection import camera_projection
 from anamorph.scene import builtin
+from anamorph.scene.camera import Camera
 
 ROOT = Path(__file__).resolve().parents[1]
 PAGES = sorted([*ROOT.glob("*.md"), *ROOT.glob("docs/*.md")])
-PICTURES = sorted((ROOT / "docs" / "pictures").iterdir())
+PICTURES = sorted(path for path in (ROOT / "docs" / "pictures").rglob("*") if path.is_file())
 EXAMPLES = sorted((ROOT / "examples").glob("*.py"))
 
 SMALL = ("--size", "64x48")
@@ -114,9 +118,53 @@ def test_every_link_leads_somewhere(page):
 def test_every_picture_is_shown_and_all_are_small():
     shown = {(page.parent / link).resolve() for page in PAGES for link in links(page)}
     assert set(PICTURES) <= shown
-    sizes = [picture.stat().st_size for picture in PICTURES]
-    assert max(sizes) < 250_000
-    assert sum(sizes) < 1_200_000
+    sizes = {picture: picture.stat().st_size for picture in PICTURES}
+    assert max(sizes.values()) < 250_000
+    for folder in {picture.parent for picture in PICTURES}:
+        assert sum(size for picture, size in sizes.items() if picture.parent == folder) < 1_200_000
+
+
+def test_the_papers_figures_are_all_there_each_with_its_section_and_module():
+    text = (ROOT / "docs" / "pvrr.md").read_text()
+    parts = {int(number): part for number, part in re.findall(r"^## Figure (\d+):(.*?)(?=^## |\Z)", text, re.M | re.S)}
+    assert sorted(parts) == list(range(3, 17))
+    for number, part in parts.items():
+        assert f"(pictures/pvrr/figure-{number:02}.webp)" in part
+        assert re.search(r"^Sections? \d", part, re.M) and "(../src/anamorph/" in part
+
+
+@pytest.fixture
+def figures(monkeypatch):
+    """The modules beside the pages that draw their figures."""
+    monkeypatch.syspath_prepend(str(ROOT / "docs"))
+    return importlib.import_module("figures.diagram")
+
+
+def test_a_diagrams_rods_reach_from_end_to_end_at_their_radius(figures):
+    ends = np.array([[[0.0, 0.0, 0.0], [0.0, 2.0, 0.0]], [[1.0, 1.0, 1.0], [4.0, 5.0, 1.0]]])
+    mesh = figures.rods(ends, 0.1, (1.0, 0.0, 0.0), "rods")
+    points = mesh.positions.reshape(2, 2, -1, 3)
+    assert np.linalg.norm(points - ends[:, :, None], axis=-1) == pytest.approx(0.1, abs=1e-6)
+    along = ends[:, 1] - ends[:, 0]
+    assert np.einsum("nesi,ni->nes", points - ends[:, :, None], along) == pytest.approx(0.0, abs=1e-5)
+    a, b, c = np.moveaxis(mesh.positions[mesh.faces], 1, 0)
+    outward = np.einsum("fi,fi->f", np.cross(b - a, c - a), mesh.normals[mesh.faces].mean(axis=1))
+    assert (outward > 0.0).all()
+
+
+def test_a_diagrams_view_volume_is_that_of_the_projection(figures):
+    camera = Camera((0.0, 0.0, 3.0), (0.0, 0.0, 0.0), field_of_view=60.0)
+    projection = camera_projection(camera, (200, 100))
+    near, far = figures.volume(projection, 5.0)
+    assert np.linalg.norm(far - near, axis=1) == pytest.approx(5.0)
+    for corners in (near, far):
+        x, y, _, w = projection.clip @ np.column_stack([corners, np.ones(4)]).T
+        assert np.abs([x / w, y / w]) == pytest.approx(1.0, abs=1e-6)
+    assert (far[:, 2] < near[:, 2]).all(), "the camera looks along -z"
+
+
+def test_the_script_knows_every_figure_of_the_page(figures):
+    assert sorted(runpy.run_path(str(ROOT / "docs" / "make_pvrr.py"))["FIGURES"]) == list(range(3, 17))
 
 
 def section(page: Path, title: str) -> str:

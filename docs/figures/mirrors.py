@@ -1,0 +1,279 @@
+"""The paper's figures of mirrors that are drawn by the warp itself: Figures 5 to 7, 9 to 11 and 16."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from importlib.util import find_spec
+from pathlib import Path
+
+import numpy as np
+from figures import diagram as dg
+from figures.panels import HALF, WARP, Panel, cropped, draw, labelled, lined, outlined, places, shrunk
+from figures.warps import warps
+
+import anamorph as an
+from anamorph.frame import Frame, View
+from anamorph.measure.angles import normalized
+from anamorph.measure.continuity import continuity
+from anamorph.measure.errors import measure
+from anamorph.methods.pervertex import Options
+from anamorph.output import to_pixels
+from anamorph.rays import Caster
+from anamorph.scene import builtin
+from anamorph.scene.builtin.car_mirror import REARWARD, foot, glass, housing, mirror_sphere
+from anamorph.scene.builtin.curvature_series import RADII, one_mirror
+from anamorph.scene.cad import FaceChoice, chosen_faces
+from anamorph.scene.geometry import flatten
+from anamorph.scene.placing import replace_mirror
+
+THIRD = (313, 235)
+LARGE = (960, 720)
+STEP = Path(an.__file__).parent / "scene" / "assets" / "aspheric-door-mirror.step"
+ANGLES = (REARWARD, (-0.30, -0.03, 1.0))
+"""The ways that the door mirror looks in Figure 5."""
+PATCHES = np.array(
+    [
+        (0.80, 0.12, 0.08), (0.06, 0.30, 0.70), (0.90, 0.62, 0.05), (0.10, 0.48, 0.16), (0.48, 0.14, 0.55),
+        (0.05, 0.55, 0.58), (0.92, 0.32, 0.05), (0.55, 0.60, 0.62), (0.75, 0.20, 0.40), (0.35, 0.22, 0.08),
+    ]
+)  # fmt: skip
+"""Linear colours of patches."""
+BRIGHT = 0.2
+"""Pixels of continuity error that are drawn yellow."""
+
+
+def cad() -> list[list[Panel]]:
+    """Figure 5: the STEP mirror at two angles; nothing where no CAD reader is installed."""
+    if find_spec("OCP") is None:
+        return []
+    faces = chosen_faces(STEP, FaceChoice())
+    rows = []
+    for rearward, words in zip(ANGLES, ("first angle", "turned outward"), strict=True):
+        sphere = mirror_sphere(rearward)
+        turned = {
+            "mirror": glass(sphere),
+            "housing": housing(sphere).mesh("housing", an.Diffuse((1.0, 1.0, 1.0))),
+            "housing/foot": foot(sphere).mesh("housing/foot", an.Diffuse((1.0, 1.0, 1.0))),
+        }
+        scene = builtin.make("car-mirror")
+        scene = replace(scene, meshes=tuple(turned.get(mesh.name, mesh) for mesh in scene.meshes))
+        scene = replace_mirror(scene, faces, 24, str(STEP.name))
+        rows.append([Panel(draw(scene), f"{words}: per-vertex"), Panel(draw(scene, "raytrace", samples=3), "truth")])
+    return rows
+
+
+def subdivision() -> list[list[Panel]]:
+    """Figure 6: the patches of the teapot and of the torus, each of which has a map of its own."""
+    rows = []
+    for name, box in (("room", (150, 190, 790, 670)), ("torus", (155, 80, 775, 545))):
+        scene = builtin.make(name)
+        found = warps(scene, LARGE)
+        patches = [warp.mesh(tuple(PATCHES[i % len(PATCHES)]), f"patch-{i}") for i, warp in enumerate(found)]
+        rest = tuple(mesh for mesh in scene.meshes if not mesh.specular)
+        colored = replace(scene, meshes=(*patches, *rest))
+        rows.append(
+            [
+                Panel(cropped(draw(colored, size=LARGE), box, THIRD, smooth=True), f"{len(found)} patches"),
+                Panel(cropped(draw(scene, size=LARGE), box, THIRD, smooth=True), "per-vertex"),
+                Panel(cropped(draw(scene, "raytrace", LARGE), box, THIRD, smooth=True), "truth"),
+            ]
+        )
+    return rows
+
+
+def continuity_of_two() -> list[list[Panel]]:
+    """Figure 7: a mirror of two patches, their maps, and by how much these differ along the border."""
+    scene = builtin.make("car-mirror")
+    options = Options(field=30.0)
+    found = warps(scene, LARGE, options)
+    errors = continuity(View(scene, scene.camera, LARGE), options)
+    picture = draw(scene, f"{WARP},field=30", LARGE)
+    dots = picture.copy()
+    rows, columns = np.ogrid[: dots.shape[0], : dots.shape[1]]
+    for (x, y), pixels in zip(errors.places, errors.pixels, strict=True):
+        away = (columns + 0.5 - x) ** 2 + (rows + 0.5 - y) ** 2
+        dots[away < 49.0] = 255
+        dots[away < 30.0] = false_color(pixels / BRIGHT)
+    named = [f"{name} {_typical(name)}" for name in ("torus", "room", "saddle")]
+    words = f"along the border, {_typical('car-mirror', options)} px"
+    words += f"\n(dark 0, yellow {BRIGHT:g} px and more; 960 x 720)"
+    maps = [
+        fitted(lined(warp.map, warp.mesh_in_map(), (255, 255, 255), 2), size)
+        for warp, size in zip(found, ((475, 300), (240, 300)), strict=True)
+    ]
+    return [
+        [
+            Panel(cropped(picture, (0, 0, *LARGE), HALF, smooth=True), "two patches with a map each"),
+            Panel(cropped(dots, (0, 0, *LARGE), HALF, smooth=True), words),
+        ],
+        [
+            Panel(maps[0], "map 1, and its patch in it"),
+            Panel(maps[1], "map 2"),
+            Panel(np.full((300, 225, 3), 255, np.uint8), ""),
+        ],
+        [Panel(np.full((1, 960, 3), 255, np.uint8), "other scenes, px: " + ";  ".join(named))],
+    ]
+
+
+def _typical(name: str, options: Options | None = None) -> str:
+    """The continuity error of a scene in words."""
+    scene = builtin.make(name)
+    errors = continuity(View(scene, scene.camera, LARGE), options)
+    found = errors.in_picture
+    return f"median {found.median:.2f}, {100.0 * (errors.pixels < 1.0).mean():.0f}% < 1"
+
+
+def curvature() -> list[list[Panel]]:
+    """Figure 9: mirrors from convex over flat to concave."""
+    scene, size = builtin.make("curvature-series"), (475, 450)
+    plates = {
+        f"R{i}": next(mesh for mesh in scene.meshes if mesh.name == f"stand-{i + 1}/label").positions.mean(axis=0)
+        for i in range(len(RADII))
+    }
+    at = places(scene.camera, size, **plates)
+    labels = [
+        ("flat" if np.isinf(radius) else f"R = {radius:+g} m", at[f"R{i}"], "mm") for i, radius in enumerate(RADII)
+    ]
+    drawn = draw(scene, size=size), draw(scene, "raytrace", size)
+    return [
+        [
+            Panel(labelled(pixels, labels, 15), words)
+            for pixels, words in zip(drawn, ("per-vertex", "truth"), strict=True)
+        ]
+    ]
+
+
+def alignment() -> list[list[Panel]]:
+    """Figure 10: the map of a saddle whose axes follow the principal directions of the rays, and one whose do not."""
+    scene = builtin.make("saddle")
+    truth = an.render(scene, method="raytrace", size=LARGE, seen=True)
+    maps = []
+    for align, words in ((False, "upright"), (True, "aligned")):
+        # One map for the whole saddle, as in the paper.
+        options = Options(field=150.0, align=align)
+        warp = warps(scene, LARGE, options)[0]
+        frame = an.render(scene, method="pervertex", size=LARGE, seen=True, field=150.0, align=align)
+        error = measure(truth, frame).pixels
+        height, width = warp.map.shape[:2]
+        caption = f"{words}: {width} x {height} texels, {100.0 * warp.plan.used:.0f}% used;"
+        caption += f"\nerror {error.median:.3f} px (median), {error.p95:.2f} px (95%)"
+        maps.append(Panel(fitted(lined(warp.map, warp.mesh_in_map(), (255, 255, 255), 2), (475, 320)), caption))
+    return [[Panel(draw(scene), "per-vertex"), Panel(draw(scene, "raytrace", samples=3), "truth")], maps]
+
+
+def two_bounces() -> list[list[Panel]]:
+    """Figure 11: the town in the windows of cars, and these in the door mirror."""
+    box = (400, 300, 400 + 240, 300 + 180)
+    whole, truth = draw("car-windows", size=LARGE), draw("car-windows", "raytrace", LARGE, 3)
+    return [
+        [
+            Panel(cropped(outlined(whole, box, 4), (0, 0, *LARGE), HALF, smooth=True), "per-vertex"),
+            Panel(cropped(truth, (0, 0, *LARGE), HALF, smooth=True), "truth"),
+        ],
+        [
+            Panel(cropped(whole, box, HALF), "enlarged: town, window, mirror"),
+            Panel(cropped(truth, box, HALF), "truth, enlarged"),
+        ],
+    ]
+
+
+def occlusion() -> list[list[Panel]]:
+    """Figure 16: what stands between the virtual viewpoint and what a ray hits, and hides it though the ray passes."""
+    scene = one_mirror(3.0)
+    truth = an.render(scene, method="raytrace", size=LARGE, seen=True)
+    plain = an.render(scene, method="pervertex", size=LARGE, seen=True)
+    mended = an.render(scene, method="pervertex", size=LARGE, seen=True, tolerance=0.5)
+    wrong = measure(truth, plain).maps.other_object
+    still = measure(truth, mended).maps.other_object
+    assert truth.specular is not None and mended.status is not None
+    mirror = truth.specular > 0
+    grey = to_pixels(truth.color).mean(axis=2, keepdims=True).repeat(3, axis=2) * 0.4 + 140.0
+    errors, traced = grey.astype(np.uint8), grey.astype(np.uint8)
+    errors[wrong] = (200, 30, 20)
+    traced[mirror & (mended.status == an.Status.TRACED)] = (230, 140, 10)
+    box = (230, 60, 730, 435)
+    share = 100.0 * (mended.status[mirror] == an.Status.TRACED).mean()
+
+    def part(pixels: np.ndarray) -> np.ndarray:
+        return cropped(pixels, box, HALF, smooth=True)
+
+    return [
+        [
+            Panel(part(to_pixels(plain.color)), "per-vertex: the frame hides the room's edges"),
+            Panel(part(errors), f"red: shows another thing, {100.0 * wrong[mirror].mean():.2f}% of the mirror"),
+        ],
+        [
+            Panel(part(traced), f"orange: found doubtful and traced, {share:.1f}%"),
+            Panel(
+                part(to_pixels(mended.color)), f"tolerance=0.5: {100.0 * still[mirror].mean():.2f}% show another thing"
+            ),
+        ],
+        [_one_hidden_hit(scene, truth, wrong)],
+    ]
+
+
+def _one_hidden_hit(scene: an.Scene, truth: Frame, wrong: np.ndarray) -> Panel:
+    """The ray of a wrong pixel, and the line of sight from the virtual viewpoint to the point that it hits."""
+    assert truth.ray_origin is not None and truth.position is not None
+    mirror = next(mesh for mesh in scene.meshes if mesh.name == "mirror-1")
+    bezel = next(mesh for mesh in scene.meshes if mesh.name.endswith("bezel"))
+    origins, hits = (np.asarray(buffer[wrong], float) for buffer in (truth.ray_origin, truth.position))
+    patches = warps(scene, LARGE)
+    rays = patches[0].sight.rays
+    middles = rays.origins[rays.faces].mean(axis=1)
+    face = np.linalg.norm(origins[:, None] - middles, axis=2).argmin(axis=1)
+    # The patch with the most wrong pixels, and of these the one in the middle of those whose hits the frame hides.
+    patch = max(patches, key=lambda each: int(np.isin(face, each.faces).sum()))
+    own = np.isin(face, patch.faces)
+    origins, hits = origins[own], hits[own]
+    point = patch.plan.viewpoint[:3] / patch.plan.viewpoint[3]
+    share = Caster(flatten(replace(scene, meshes=(bezel,)))).cast(hits, point - hits).distance
+    crossings = hits + np.minimum(share, 1.0)[:, None] * (point - hits)
+    _, _, z, w = patch.plan.projections[0].clip @ np.column_stack([crossings, np.ones(len(hits))]).T
+    hidden = np.flatnonzero((share < 1.0) & (z < w))
+    pick = hidden[len(hidden) // 2]
+    origin, hit = origins[pick], hits[pick]
+    blocked = crossings[pick]
+    eye = np.asarray(scene.camera.position, float)
+    toward = (eye - origin) / np.linalg.norm(eye - origin)
+    meshes = [
+        replace(mirror, material=an.Diffuse((0.70, 0.80, 0.88)), surface=None, parameters=None),
+        bezel,
+        dg.rods(np.stack([[origin + 0.9 * toward, origin]]), 0.002, dg.INCIDENT, "incident"),
+        dg.rods(np.stack([[origin, hit]]), 0.002, dg.REFLECTED, "ray"),
+        dg.rods(np.stack([[point, hit]]), 0.002, dg.VIEWPOINT, "sight"),
+        dg.balls([point], 0.010, dg.VIEWPOINT, "viewpoint"),
+        dg.balls([blocked], 0.006, dg.EXTENDED, "blocked"),
+    ]
+    along = normalized(hit - origin)
+    across = normalized(np.cross(along, point - origin))
+    across *= np.sign(across[1])
+    height, size = 0.26, (960, 250)
+    camera = dg.far_camera(
+        0.5 * (point + origin) + 0.16 * along, across.tolist(), np.cross(across, along).tolist(), height
+    )
+    at = places(camera, size, point=point, blocked=blocked)
+    labels = [
+        ("virtual viewpoint", (at["point"][0], at["point"][1] + 18), "mt"),
+        ("in the way", (at["blocked"][0] + 4, at["blocked"][1] + 16), "lt"),
+    ]
+    words = "one reflected ray (teal) passes the frame; the line of sight to the same point (red) meets it"
+    return Panel(labelled(draw(dg.drawing("hidden", meshes, camera), size=size), labels), words)
+
+
+def false_color(pixels: float) -> np.ndarray:
+    """From dark (0) to yellow (1 pixel and more), (3,) uint8."""
+    stops = np.array([(68, 1, 84), (59, 82, 139), (33, 145, 140), (94, 201, 98), (253, 231, 37)], float)
+    place = 4.0 * min(max(pixels, 0.0), 1.0)
+    low = min(int(place), 3)
+    return np.round(stops[low] + (place - low) * (stops[low + 1] - stops[low])).astype(np.uint8)
+
+
+def fitted(pixels: np.ndarray, size: tuple[int, int]) -> np.ndarray:
+    """Pixels shrunk to fit into `size`, on white."""
+    height, width = pixels.shape[:2]
+    scale = min(size[0] / width, size[1] / height)
+    small = shrunk(pixels, (round(width * scale), round(height * scale)))
+    page = np.full((small.shape[0], size[0], 3), 255, np.uint8)
+    page[:, : small.shape[1]] = small
+    return page

@@ -130,15 +130,20 @@ fn mirror_reflectance(number: u32, cosine: f32) -> vec3f {
     return object.tint * (object.parameter + (1.0 - object.parameter) * rest);
 }
 
-// What glass leaves of light that passes both faces of a lens, besides what they reflect.
+// What glass lets through of the light that crosses it twice, but for Fresnel's share.
 fn lens_tint(number: u32) -> vec3f {
     let tint = objects[number - 1u].tint;
     return tint * tint;
 }
 
-// Whether light goes on from an object's front.
-fn is_specular(number: u32) -> bool {
-    return objects[number - 1u].kind != DIFFUSE;
+// What glass lets in of light at the cosine between its normal and the ray: tint, and Fresnel's transmittance.
+fn glass_transmittance(number: u32, cosine: f32) -> vec3f {
+    let object = objects[number - 1u];
+    let outer = abs(cosine);
+    let square = object.parameter * object.parameter;
+    let inner = sqrt(square + outer * outer - 1.0);
+    let reflected = vec2f((outer - inner) / (outer + inner), (square * outer - inner) / (square * outer + inner));
+    return object.tint * (1.0 - 0.5 * dot(reflected, reflected));
 }
 
 // The front of a mirror where no method draws it: the sky alone. Glass never gets here: whoever draws it draws it all.

@@ -69,17 +69,6 @@ fn way_of(fragment: RefractorFragment, start: Place) -> u32 {
     }
     return select(LOST, LEAVES, inside_map(start, fragment.lookup_green.w));
 }
-
-// The share of the light that crosses the near face; Fresnel's equations, for both polarisations alike.
-fn crossing(fragment: RefractorFragment) -> f32 {
-    let index = objects[fragment.object.x - 1u].parameter;
-    let outer = abs(dot(normalize(viewing_direction(fragment.pixel.xy)), normalize(fragment.normal)));
-    let inner = sqrt(index * index + outer * outer - 1.0);
-    let square = index * index;
-    let reflected = vec2f((outer - inner) / (outer + inner), (square * outer - inner) / (square * outer + inner));
-    return 1.0 - 0.5 * dot(reflected, reflected);
-}
-
 // The matt edge, seen from within the glass.
 fn edge_color(fragment: RefractorFragment) -> vec3f {
     var point: SurfacePoint;
@@ -104,7 +93,8 @@ fn refracted_color(fragment: RefractorFragment) -> vec4f {
     }
     let way = way_of(fragment, green);
     if way == LEFT_BY_EDGE || way == TOTAL {
-        return vec4f(crossing(fragment) * tint * edge_color(fragment), 1.0);
+        let cosine = dot(normalize(viewing_direction(fragment.pixel.xy)), normalize(fragment.normal));
+        return vec4f(glass_transmittance(fragment.object.x, cosine) * edge_color(fragment), 1.0);
     } else if way == LOST {
         color = sky_color(fragment.direction_green.xyz, projection.base.w);
     }

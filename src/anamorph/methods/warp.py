@@ -159,7 +159,8 @@ def plan_map(sight: Sight, faces: np.ndarray, hider: np.ndarray, world: World, o
     if sight.side.closed and frame.convergence > 0.0:
         # Nothing can be behind the surface of a closed body: the map sees all from its viewpoint on.
         normal = frame.axes[2]
-        near_plane = np.append(normal, -(viewpoint[:3] @ normal) / viewpoint[3] - 1e2 * CLEARANCE * size_of(rays.origins))
+        height = float(viewpoint[:3] @ normal / viewpoint[3])
+        near_plane = np.append(normal, -height - 1e2 * CLEARANCE * size_of(rays.origins))
     else:
         near_plane = _near_plane(normal, rays.origins[facing], sight.side.behind[vertices][facing], viewpoint, frame)
     if np.isfinite(top):

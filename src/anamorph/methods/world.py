@@ -67,8 +67,8 @@ class World:
     def behind(self, points: np.ndarray, outward: np.ndarray, own: tuple[int, ...]) -> tuple[np.ndarray, bool]:
         """How far behind a surface, at `points` (N, 3) with normals `outward`, something else stands, (N,).
 
-        `own` are the numbers of its own objects; infinite where one of them comes first, or nothing. Also whether one of
-        them comes first almost everywhere, because the surface is closed.
+        `own` are the numbers of its own objects; infinite where one of them comes first, or nothing. Also whether one
+        of them comes first almost everywhere, because the surface is closed.
         """
         reach = float(np.linalg.norm(np.ptp(points, axis=0)))
         hits = self.caster.cast(points, -outward, 1e-4 * reach)

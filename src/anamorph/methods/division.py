@@ -8,9 +8,13 @@ from __future__ import annotations
 
 import numpy as np
 
+from anamorph.methods.world import World
+from anamorph.optics.viewpoint import virtual_viewpoint
 from anamorph.raymesh import RayMesh, RayStatus
 
 MOST_PATCHES = 32
+MOST_PARTS = 8
+"""Of one patch."""
 
 
 def seen_faces(rays: RayMesh, size: tuple[int, int]) -> np.ndarray:
@@ -59,6 +63,47 @@ def divide(rays: RayMesh, faces: np.ndarray, widest: float) -> list[np.ndarray]:
         patch[closeness > nearest] = number
         nearest = np.maximum(nearest, closeness)
     return [faces[patch == number] for number in range(patch.max() + 1)]
+
+
+def part_where_hidden(rays: RayMesh, faces: np.ndarray, world: World, own: tuple[int, ...]) -> list[np.ndarray]:
+    """Halve a patch across its longest extent, until each part lies on one side of its viewpoint, with nothing between.
+
+    For closed bodies, whose parts may look one way from far apart, with something between them.
+
+    Parameters
+    ----------
+    rays : RayMesh
+    faces : (N,) int
+        Of the patch.
+    world : World
+    own : tuple of int
+        The object numbers of the body, which hide nothing.
+    """
+    waiting: list[np.ndarray] = [faces]
+    done: list[np.ndarray] = []
+    while waiting:
+        part = waiting.pop()
+        vertices = np.unique(rays.faces[part])
+        vertices = vertices[rays.status[vertices] == RayStatus.OK]
+        middles = rays.origins[rays.faces[part]].mean(axis=1)
+        middles = middles - middles.mean(axis=0)
+        along = middles @ np.linalg.eigh(middles.T @ middles)[1][:, -1]
+        upper = along > 0.5 * (along.min() + along.max())
+        whole = upper.all() or not upper.any() or len(waiting) + len(done) >= MOST_PARTS
+        if whole or not len(vertices) or not _hidden(rays, vertices, world, own):
+            done.append(part)
+        else:
+            waiting += [part[upper], part[~upper]]
+    return done
+
+
+def _hidden(rays: RayMesh, vertices: np.ndarray, world: World, own: tuple[int, ...]) -> bool:
+    origins, directions = rays.origins[vertices], rays.unit_directions()[vertices]
+    viewpoint = virtual_viewpoint(origins, directions)
+    ahead = np.einsum("ni,ni->n", viewpoint[3] * origins - viewpoint[:3], directions) > 0.0
+    if ahead.all():
+        return viewpoint[3] > 0.0 and not world.sees(viewpoint[:3] / viewpoint[3], origins, own)
+    return bool(ahead.any())
 
 
 def _mean_directions(directions: np.ndarray, facing: np.ndarray, faces: np.ndarray) -> np.ndarray:

@@ -18,7 +18,7 @@ from anamorph.gpu.buffers import SceneBuffers
 from anamorph.gpu.device import maximum_size
 from anamorph.methods.bodies import Body, Sight, see
 from anamorph.methods.cube_plan import plan_cube
-from anamorph.methods.division import divide, seen_faces
+from anamorph.methods.division import divide, part_where_hidden, seen_faces
 from anamorph.methods.level import Level, PatchDraw
 from anamorph.methods.warp import MapPlan, PlanOptions, plan_map
 from anamorph.methods.world import World
@@ -204,6 +204,9 @@ class Pictures:
             if plan is not None:
                 yield faces, plan
                 return
+        if sight.side.closed:
+            own = tuple(mesh + 1 for mesh in sight.side.meshes)
+            patches = [part for patch in patches for part in part_where_hidden(sight.rays, patch, self._world, own)]
         for patch in patches:
             spared = depth > 0 and len(self._levels[depth].views) >= MOST_INNER
             yield patch, None if spared else plan_map(sight, patch, hider, self._world, self._options.plan)

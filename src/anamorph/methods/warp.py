@@ -156,8 +156,9 @@ def plan_map(sight: Sight, faces: np.ndarray, hider: np.ndarray, world: World, o
         # What lies on the mirror stands for what is found to hide its vertices.
         covered = sight.side.covered[vertices]
         top = (rays.origins @ normal + covered)[covered > 0.0].max(initial=-np.inf)
-    if sight.side.closed and frame.convergence > 0.0:
-        # Nothing can be behind the surface of a closed body: the map sees all from its viewpoint on.
+    from_inside = sight.side.closed and frame.convergence > 0.0
+    if from_inside and world.sees(viewpoint[:3] / viewpoint[3], rays.origins[facing], own):
+        # Nothing is behind the surface of a closed body: the map sees all from its viewpoint on.
         normal = frame.axes[2]
         height = float(viewpoint[:3] @ normal / viewpoint[3])
         near_plane = np.append(normal, -height - 1e2 * CLEARANCE * size_of(rays.origins))

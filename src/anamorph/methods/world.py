@@ -76,6 +76,12 @@ class World:
         closed = ((hits.triangle >= 0) & ~foreign).mean() > CLOSED
         return np.where(foreign & (not closed), hits.distance, np.inf), bool(closed)
 
+    def sees(self, eye: np.ndarray, points: np.ndarray, own: tuple[int, ...]) -> bool:
+        """Whether an eye sees `points` (N, 3), but for what the objects `own` hide."""
+        origins = np.broadcast_to(eye, points.shape)
+        distance, _ = self.cast_past(origins, points - eye, np.zeros(len(points)), own)
+        return not (distance < 1.0 - 1e-3).any()
+
     def bordered(
         self, points: np.ndarray, border: np.ndarray, outward: np.ndarray, own: tuple[int, ...]
     ) -> bool:

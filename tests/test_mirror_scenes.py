@@ -236,7 +236,10 @@ def test_the_torus_is_closed_of_one_mesh_and_exact():
     along = (points - middle) @ axis
     across = np.linalg.norm(points - middle - along[:, None] * axis, axis=1)
     np.testing.assert_allclose(np.hypot(across - MAJOR, along), MINOR, atol=1e-12)
-    assert ring.positions[:, 1].min() > 0.2, "it stands clear of its foot"
+    gap = ring.positions[:, 1].min() - mesh("torus", "foot").positions[:, 1].max()
+    assert 0.0 < gap < 0.02
+    edge = np.linalg.norm(np.diff(ring.positions.reshape(37, 97, 3)[0], axis=0), axis=1)
+    assert np.ptp(edge) < 1e-5, "vertices are as far apart everywhere around the ring"
 
 
 def test_the_torus_reflects_itself_and_every_traced_path_ends():

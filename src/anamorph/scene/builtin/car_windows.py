@@ -33,8 +33,8 @@ FIELD_OF_VIEW = 17.5
 VERTICES = (9, 5)
 BEND = (0.06, 0.45)
 """Curvatures of a pane along the car and across, 1/m."""
-CLEAR = 0.012
-"""Metres from the body to a pane's border."""
+CLEAR = 0.006
+"""Metres from the body to a pane's border, at least."""
 PANES = {"front": ((-0.66, 0.07), (-0.15, 0.07)), "rear": ((0.21, 0.84), (0.21, 0.82))}
 """From where to where along a car, in metres, its side windows' lower and upper edges go."""
 
@@ -77,8 +77,8 @@ def pane(name: str, place: Vector, window: str) -> Mesh:
     right /= np.linalg.norm(right)
     surface = Toroid(middle, *BEND, np.stack([right, np.cross(outward, right), outward]))
     flat = surface.parameters(corners)
-    # The border stands clear of the body, so that the apex stands out by the pane's sag there.
-    lift = CLEAR + surface.sag(flat)[0].max()
+    # A car's window line is a little twisted: each corner stands clear of the body.
+    lift = CLEAR + float((surface.sag(flat)[0] + (corners - middle) @ outward).max())
     surface = replace(surface, apex=middle + lift * outward)
 
     s, t = (axis.ravel()[:, None] for axis in np.meshgrid(*(np.linspace(0.0, 1.0, count) for count in VERTICES)))

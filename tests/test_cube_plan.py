@@ -176,12 +176,12 @@ def test_a_whole_ball_is_close_to_the_truth(truth, refine, median, p95):
     assert not (frame.status == Status.OUTSIDE).any()
 
 
-def test_a_torus_is_no_farther_from_the_truth_than_by_patches():
+def test_a_torus_is_about_as_near_to_the_truth_as_by_patches():
     scene = make("torus")
     reference = drawn(scene, "raytrace")
     patches, cube = (measure(reference, drawn(scene, f"pervertex:wide={way}")) for way in ("patches", "cube"))
-    assert cube.pixels.median <= 1.1 * patches.pixels.median
-    assert cube.pixels.p95 <= patches.pixels.p95
+    assert cube.pixels.median <= 1.2 * patches.pixels.median
+    assert cube.pixels.p95 <= 1.2 * patches.pixels.p95
     assert cube.other_object_percent <= patches.other_object_percent + 1.0
 
 

@@ -91,8 +91,9 @@ def test_before_a_hollow_mirror_the_near_map_is_asked_too():
     pole = box((0.12, 0.0, 0.28), (0.15, 1.2, 0.31)).mesh("pole", Diffuse((0.9, 0.7, 0.1)))
     marked, wrong, right = marked_and_wrong(with_pole(spherical_mirror(-1.4, 16), pole=pole), "refine=3")
     assert wrong.sum() >= 100
-    assert marked[wrong].mean() >= 0.5
-    assert marked[right].mean() <= 0.02
+    assert marked[wrong].mean() >= 0.95
+    # The pole stands near the crossing of the rays, where what the map sees beside it may be behind it.
+    assert marked[right].mean() <= 0.12
 
 
 def in_the_way(starts, ends, low, high):

@@ -35,7 +35,7 @@ def test_the_figures_are_those_of_the_plans(mirror, field):
     (seen,) = drawing.plan(CAMERA).seen
     figures = drawing.figures()
     assert figures["maps"] == len(seen.plans) >= (1 if field == 100.0 else 3)
-    texels = [max(int(plan.texels[0]), 16) * max(int(plan.texels[1]), 16) for plan in seen.plans]
+    texels = [max(int(plan.texels[0][0]), 16) * max(int(plan.texels[0][1]), 16) for plan in seen.plans]
     assert figures["map_texels"] == sum(texels)
     assert figures["maps_used_percent"] == pytest.approx(100.0 * np.average(covered(seen), weights=texels), abs=1.5)
     assert drawn(scene, f"pervertex:field={field}").figures == figures

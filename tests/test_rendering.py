@@ -15,7 +15,7 @@ SCENE = scene_with(spherical_mirror())
 def same(one, other):
     return all(
         (getattr(one, name) is None and getattr(other, name) is None)
-        or (getattr(one, name) == getattr(other, name)).all()
+        or np.all(getattr(one, name) == getattr(other, name))
         for name in vars(one)
     )
 

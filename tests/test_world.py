@@ -90,15 +90,17 @@ def test_what_stands_behind_is_as_far_as_it_is_unless_the_body_itself_comes_firs
     points = np.array([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]])
     outward = np.tile([0.0, 0.0, 1.0], (3, 1))
     body, behind, before = wall(0.0, "body"), wall(-0.7), wall(2.0)
-    assert world_of(flatten(scene_of(body, behind, before))).behind(points, outward, (1,)) == pytest.approx([0.7] * 3)
-    assert np.isinf(world_of(flatten(scene_of(body, before))).behind(points, outward, (1,))).all()
+    assert world_of(flatten(scene_of(body, behind, before))).behind(points, outward, (1,))[0] == pytest.approx([0.7] * 3)
+    assert np.isinf(world_of(flatten(scene_of(body, before))).behind(points, outward, (1,))[0]).all()
     # The body's own back stands between.
     own = world_of(flatten(scene_of(body, behind, wall(-0.3, "back"))))
-    assert np.isinf(own.behind(points, outward, (1, 3))).all()
-    assert own.behind(points, outward, (1,)) == pytest.approx([0.3] * 3)
+    distances, closed = own.behind(points, outward, (1, 3))
+    assert np.isinf(distances).all() and closed
+    assert not own.behind(points, outward, (1,))[1]
+    assert own.behind(points, outward, (1,))[0] == pytest.approx([0.3] * 3)
     # Something that only part of the surface has behind it.
     partly = world_of(flatten(scene_of(body, cube((0.0, 0.0, -0.5)))))
-    assert partly.behind(points, outward, (1,)) == pytest.approx([0.4, np.inf, np.inf])
+    assert partly.behind(points, outward, (1,))[0] == pytest.approx([0.4, np.inf, np.inf])
 
 
 @pytest.mark.parametrize("layers", range(MOST_LAYERS + 2))

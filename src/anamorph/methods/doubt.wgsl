@@ -4,7 +4,7 @@
 const NEAREST_PROBE = 0.02;
 const MOST_PROBES = 24.0;
 // How close to the crossing of its rays a map is asked.
-const NEAREST_CROSSING = 0.02;
+const NEAREST_CROSSING = 0.1;
 const UNKNOWN = 1e6;
 
 // Whether a map sees something nearer on the straight line, in the map, between two points in clip space.

@@ -27,7 +27,7 @@ from anamorph.scene.camera import Eye
 LEAST, MOST = 16, 4096
 """Texels along a side of a map."""
 
-LEAST_SEEN = 32.0
+LEAST_SEEN = 12.0
 """A body that spans fewer texels in a map is not worth maps of its own there."""
 
 INNER_FIELD = 140.0

@@ -87,4 +87,6 @@ def test_no_map_shows_its_own_mirror():
         truth = built_in(name, "raytrace")
         looks = np.isin(frame.specular, own) & np.isin(truth.specular, own)
         assert looks.sum() > 500, (name, [mesh.name for mesh in make(name).meshes])
+        # A mirror in it may show it again, for want of bounces.
+        looks &= frame.status != Status.OUTSIDE
         assert not (np.isin(frame.object_id, own) & looks).any()

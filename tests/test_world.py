@@ -90,7 +90,8 @@ def test_what_stands_behind_is_as_far_as_it_is_unless_the_body_itself_comes_firs
     points = np.array([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]])
     outward = np.tile([0.0, 0.0, 1.0], (3, 1))
     body, behind, before = wall(0.0, "body"), wall(-0.7), wall(2.0)
-    assert world_of(flatten(scene_of(body, behind, before))).behind(points, outward, (1,))[0] == pytest.approx([0.7] * 3)
+    far = world_of(flatten(scene_of(body, behind, before)))
+    assert far.behind(points, outward, (1,))[0] == pytest.approx([0.7] * 3)
     assert np.isinf(world_of(flatten(scene_of(body, before))).behind(points, outward, (1,))[0]).all()
     # The body's own back stands between.
     own = world_of(flatten(scene_of(body, behind, wall(-0.3, "back"))))

@@ -10,7 +10,7 @@ const UNKNOWN = 1e6;
 // Whether a map sees something nearer on the straight line, in the map, between two points in clip space.
 fn hidden_between(view: i32, first: vec4f, last: vec4f) -> bool {
     // Only where the map looks: rays that converge have a map on either side of their crossing.
-    let least = NEAREST_CROSSING * max(first.w, last.w);
+    let least = select(0.0, NEAREST_CROSSING * max(first.w, last.w), min(first.w, last.w) <= 0.0);
     let steepness = select(last.w - first.w, 1.0, last.w == first.w);
     let crossing = clamp((least - first.w) / steepness, 0.0, 1.0);
     let start = select(first, mix(first, last, crossing), first.w < least);

@@ -82,9 +82,7 @@ class World:
         distance, _ = self.cast_past(origins, points - eye, np.zeros(len(points)), own)
         return not (distance < 1.0 - 1e-3).any()
 
-    def bordered(
-        self, points: np.ndarray, border: np.ndarray, outward: np.ndarray, own: tuple[int, ...]
-    ) -> bool:
+    def bordered(self, points: np.ndarray, border: np.ndarray, outward: np.ndarray, own: tuple[int, ...]) -> bool:
         """Whether something else stands close beside most of the border of a surface, as a frame does.
 
         The surface has `points` (N, 3), its border the numbers `border` (B,) of them with normals `outward` (B, 3).

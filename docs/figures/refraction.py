@@ -35,7 +35,7 @@ def reversed_image() -> list[list[Panel]]:
 def overlay() -> list[list[Panel]]:
     """Figure 14: the balls at the hits of the refracted rays, seen through the lens at its vertices."""
     size = (2375, 1780)
-    pixels = draw("spectacles-minus", f"{WARP},overlay=true", size)
+    pixels = draw("spectacles-minus", f"{WARP},overlay=mesh", size)
     box = (600, 690, 600 + 475, 690 + 356)
     whole = cropped(outlined(pixels, box, 14), (0, 0, *size), HALF, smooth=True)
     return [[Panel(whole, "the lens's mesh, and balls at the hits"), Panel(cropped(pixels, box, HALF), "enlarged")]]

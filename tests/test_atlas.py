@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scenes import CAMERA, scene_with, spherical_mirror
 
-from anamorph.gpu.atlas import ALIGNMENT, Atlas, MapKind, MapView, arrange
+from anamorph.gpu.atlas import ALIGNMENT, Atlas, MapKind, MapView, arrange, fitted
 from anamorph.gpu.buffers import upload_scene
 from anamorph.gpu.device import get_device
 from anamorph.gpu.drawing import submit
@@ -19,6 +19,16 @@ from anamorph.scene.geometry import flatten
 
 SIDES = st.one_of(st.integers(1, 700), st.sampled_from([1, ALIGNMENT - 1, ALIGNMENT, ALIGNMENT + 1]))
 RECTANGLES = st.lists(st.tuples(SIDES, SIDES), min_size=1, max_size=20)
+
+
+@given(RECTANGLES, st.sampled_from([512, 1024, 8192]), st.sampled_from([2_000, 100_000, 1 << 24]))
+def test_maps_shrink_until_they_fit(sizes, widest, most):
+    projection = camera_projection(CAMERA, (8, 8))
+    views, _, needed = fitted([MapView(projection, size, np.ones(1, bool)) for size in sizes], widest, most)
+    assert max(needed) <= widest
+    assert sum(view.size[0] * view.size[1] for view in views) <= max(most, len(views))
+    if sum(width * height for width, height in sizes) <= most and max(arrange(sizes, widest)[1]) <= widest:
+        assert [view.size for view in views] == sizes
 
 
 @given(RECTANGLES, st.sampled_from([704, 1024, 8192]))

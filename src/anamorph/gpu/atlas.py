@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import Enum
 from functools import partial
 
@@ -30,6 +30,9 @@ SPARE = 1.15
 
 LEVELS = 5
 """Of mipmaps. Rectangles begin at multiples of the coarsest texel, so that no texel belongs to two."""
+
+MOST_TEXELS = 1 << 24
+"""Of all maps of an atlas, at one sample each: with colours, depths and points they take up to 44 bytes."""
 
 ALIGNMENT = 1 << (LEVELS - 1)
 
@@ -87,6 +90,24 @@ def arrange(sizes: Sequence[tuple[int, int]], widest: int) -> tuple[list[tuple[i
     return corners, (right, y + shelf)
 
 
+def fitted(
+    views: Sequence[MapView], widest: int, most: int
+) -> tuple[Sequence[MapView], list[tuple[int, int]], tuple[int, int]]:
+    """The maps, smaller where it must be, with their corners and the room they take: no side over `widest`.
+
+    All of them have at most `most` texels, as far as maps of a texel allow.
+    """
+    while True:
+        corners, needed = arrange([view.size for view in views], widest)
+        texels = sum(view.size[0] * view.size[1] for view in views)
+        if (max(needed) <= widest and texels <= most) or all(max(view.size) == 1 for view in views):
+            return views, corners, needed
+        scale = min(np.sqrt(most / texels), 0.9)
+        views = [
+            replace(view, size=(max(int(scale * view.size[0]), 1), max(int(scale * view.size[1]), 1))) for view in views
+        ]
+
+
 class Atlas:
     """The textures of one set of maps, which is laid out anew for each frame.
 
@@ -108,14 +129,17 @@ class Atlas:
         self.projections: list[np.ndarray] = []
 
     def place(self, views: Sequence[MapView]) -> bool:
-        """Give each of the maps its rectangle; whether the textures had to be made anew."""
+        """Give each of the maps its rectangle; whether the textures had to be made anew.
+
+        Where all of them take more texels than there may be, each gets fewer.
+        """
         widest = maximum_size()
-        corners, needed = arrange([view.size for view in views], widest)
+        views, corners, needed = fitted(views, widest, MOST_TEXELS // self._antialias)
         self._views, self._corners = views, corners
         while len(self._uniforms) < len(views):
             self._uniforms.append(projection_uniform())
         self.projections = []
-        for view, corner, uniform in zip(views, corners, self._uniforms, strict=False):
+        for view, corner, uniform in zip(self._views, corners, self._uniforms, strict=False):
             self.projections.append(view.projection.uniform(view.size, corner))
             get_device().queue.write_buffer(uniform.buffer, 0, self.projections[-1])
         too_small = any(have < want for have, want in zip(self._size, needed, strict=True))

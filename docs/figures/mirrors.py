@@ -12,18 +12,16 @@ from figures.panels import HALF, WARP, Panel, cropped, draw, labelled, lined, ou
 from figures.warps import warps
 
 import anamorph as an
-from anamorph.frame import Frame, View
+from anamorph.frame import View
 from anamorph.measure.angles import normalized
 from anamorph.measure.continuity import continuity
 from anamorph.measure.errors import measure
 from anamorph.methods.pervertex import Options
 from anamorph.output import to_pixels
-from anamorph.rays import Caster
 from anamorph.scene import builtin
 from anamorph.scene.builtin.car_mirror import REARWARD, foot, glass, housing, mirror_sphere
 from anamorph.scene.builtin.curvature_series import RADII, one_mirror
 from anamorph.scene.cad import FaceChoice, chosen_faces
-from anamorph.scene.geometry import flatten
 from anamorph.scene.placing import replace_mirror
 
 THIRD = (313, 235)
@@ -179,10 +177,11 @@ def two_bounces() -> list[list[Panel]]:
 
 def occlusion() -> list[list[Panel]]:
     """Figure 16: what stands between the virtual viewpoint and what a ray hits, and hides it though the ray passes."""
-    scene = one_mirror(3.0)
+    scene = _with_rod(one_mirror(4.0))
     truth = an.render(scene, method="raytrace", size=LARGE, seen=True)
-    plain = an.render(scene, method="pervertex", size=LARGE, seen=True)
-    mended = an.render(scene, method="pervertex", size=LARGE, seen=True, tolerance=0.5)
+    # One map for the whole mirror, as in the paper.
+    plain = an.render(scene, method="pervertex:field=150", size=LARGE, seen=True)
+    mended = an.render(scene, method="pervertex:field=150", size=LARGE, seen=True, tolerance=0.5)
     wrong = measure(truth, plain).maps.other_object
     still = measure(truth, mended).maps.other_object
     assert truth.specular is not None and mended.status is not None
@@ -199,7 +198,7 @@ def occlusion() -> list[list[Panel]]:
 
     return [
         [
-            Panel(part(to_pixels(plain.color)), "per-vertex: the frame hides the room's edges"),
+            Panel(part(to_pixels(plain.color)), "per-vertex: near things hide what is beside them"),
             Panel(part(errors), f"red: shows another thing, {100.0 * wrong[mirror].mean():.2f}% of the mirror"),
         ],
         [
@@ -208,57 +207,17 @@ def occlusion() -> list[list[Panel]]:
                 part(to_pixels(mended.color)), f"tolerance=0.5: {100.0 * still[mirror].mean():.2f}% show another thing"
             ),
         ],
-        [_one_hidden_hit(scene, truth, wrong)],
     ]
 
 
-def _one_hidden_hit(scene: an.Scene, truth: Frame, wrong: np.ndarray) -> Panel:
-    """The ray of a wrong pixel, and the line of sight from the virtual viewpoint to the point that it hits."""
-    assert truth.ray_origin is not None and truth.position is not None
+def _with_rod(scene: an.Scene) -> an.Scene:
+    """The scene with an upright rod close before its mirror."""
     mirror = next(mesh for mesh in scene.meshes if mesh.name == "mirror-1")
-    bezel = next(mesh for mesh in scene.meshes if mesh.name.endswith("bezel"))
-    origins, hits = (np.asarray(buffer[wrong], float) for buffer in (truth.ray_origin, truth.position))
-    patches = warps(scene, LARGE)
-    rays = patches[0].sight.rays
-    middles = rays.origins[rays.faces].mean(axis=1)
-    face = np.linalg.norm(origins[:, None] - middles, axis=2).argmin(axis=1)
-    # The patch with the most wrong pixels, and of these the one in the middle of those whose hits the frame hides.
-    patch = max(patches, key=lambda each: int(np.isin(face, each.faces).sum()))
-    own = np.isin(face, patch.faces)
-    origins, hits = origins[own], hits[own]
-    point = patch.plan.viewpoint[:3] / patch.plan.viewpoint[3]
-    share = Caster(flatten(replace(scene, meshes=(bezel,)))).cast(hits, point - hits).distance
-    crossings = hits + np.minimum(share, 1.0)[:, None] * (point - hits)
-    _, _, z, w = patch.plan.projections[0].clip @ np.column_stack([crossings, np.ones(len(hits))]).T
-    hidden = np.flatnonzero((share < 1.0) & (z < w))
-    pick = hidden[len(hidden) // 2]
-    origin, hit = origins[pick], hits[pick]
-    blocked = crossings[pick]
-    eye = np.asarray(scene.camera.position, float)
-    toward = (eye - origin) / np.linalg.norm(eye - origin)
-    meshes = [
-        replace(mirror, material=an.Diffuse((0.70, 0.80, 0.88)), surface=None, parameters=None),
-        bezel,
-        dg.rods(np.stack([[origin + 0.9 * toward, origin]]), 0.002, dg.INCIDENT, "incident"),
-        dg.rods(np.stack([[origin, hit]]), 0.002, dg.REFLECTED, "ray"),
-        dg.rods(np.stack([[point, hit]]), 0.002, dg.VIEWPOINT, "sight"),
-        dg.balls([point], 0.010, dg.VIEWPOINT, "viewpoint"),
-        dg.balls([blocked], 0.006, dg.EXTENDED, "blocked"),
-    ]
-    along = normalized(hit - origin)
-    across = normalized(np.cross(along, point - origin))
-    across *= np.sign(across[1])
-    height, size = 0.26, (960, 250)
-    camera = dg.far_camera(
-        0.5 * (point + origin) + 0.16 * along, across.tolist(), np.cross(across, along).tolist(), height
-    )
-    at = places(camera, size, point=point, blocked=blocked)
-    labels = [
-        ("virtual viewpoint", (at["point"][0], at["point"][1] + 18), "mt"),
-        ("in the way", (at["blocked"][0] + 4, at["blocked"][1] + 16), "lt"),
-    ]
-    words = "one reflected ray (teal) passes the frame; the line of sight to the same point (red) meets it"
-    return Panel(labelled(draw(dg.drawing("hidden", meshes, camera), size=size), labels), words)
+    middle, outward = mirror.positions.mean(axis=0, dtype=float), normalized(mirror.normals.mean(axis=0, dtype=float))
+    up = np.array([0.0, 1.0, 0.0])
+    foot = middle + 0.05 * outward + 0.05 * np.cross(up, outward)
+    rod = dg.rods(np.stack([[foot - 0.3 * up, foot + 0.3 * up]]), 0.006, (0.1, 0.3, 0.9), "rod")
+    return replace(scene, meshes=(*scene.meshes, rod))
 
 
 def false_color(pixels: float) -> np.ndarray:

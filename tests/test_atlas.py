@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scenes import CAMERA, scene_with, spherical_mirror
 
-from anamorph.gpu.atlas import ALIGNMENT, Atlas, MapKind, MapView, arrange
+from anamorph.gpu.atlas import ALIGNMENT, Atlas, MapKind, MapView, arrange, shrunk
 from anamorph.gpu.buffers import upload_scene
 from anamorph.gpu.device import get_device
 from anamorph.gpu.drawing import submit
@@ -42,6 +42,28 @@ def test_maps_of_like_sizes_leave_little_room_between_them(sizes):
     assert 0.25 <= right / bottom <= 4.0
 
 
+@given(RECTANGLES, st.sampled_from([704, 1024, 8192]))
+def test_what_is_too_large_together_shrinks_alike_and_nothing_else_does(sizes, widest):
+    fitting = shrunk(sizes, widest)
+    assert max(arrange(fitting, widest)[1]) <= widest
+    if max(arrange(sizes, widest)[1]) <= widest:
+        assert fitting == sizes
+    sides = [pair for pair in zip(np.ravel(fitting), np.ravel(sizes), strict=True) if pair[0] > 1]
+    # One factor gives them all, rounded down.
+    assert not sides or max(new / old for new, old in sides) < min((new + 1) / old for new, old in sides)
+
+
+def test_maps_that_the_largest_texture_cannot_hold_are_drawn_smaller(buffers, monkeypatch):
+    monkeypatch.setattr("anamorph.gpu.atlas.LARGEST", 256)
+    scene, count = buffers
+    atlas = Atlas()
+    atlas.place(views_of([(200, 200)] * 3, count))
+    assert max(atlas.color.size[:2]) <= 256
+    assert all(texels[..., :3].std() > 0.0 for texels in drawn_maps(atlas, scene, MapKind.COLOR))
+    for words, view in zip(atlas.projections, atlas.views, strict=True):
+        assert words[-4:-2].tolist() == list(view.size)
+
+
 def eyes():
     return [CAMERA, Camera((-0.6, 0.9, 2.4), (0.0, 0.5, 0.0)), Camera((0.2, 0.4, -2.0), (0.0, 0.5, 0.0))]
 
@@ -67,7 +89,7 @@ def drawn_maps(atlas, buffers, kind):
     texels = read_texture(atlas.color if kind == MapKind.COLOR else atlas.depth)
     return [
         texels[y : y + view.size[1], x : x + view.size[0]]
-        for view, (x, y) in zip(atlas._views, atlas._corners, strict=True)
+        for view, (x, y) in zip(atlas.views, atlas._corners, strict=True)
     ]
 
 

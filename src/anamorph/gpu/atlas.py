@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import Enum
 from functools import partial
 
@@ -28,10 +28,16 @@ from anamorph.projection import Projection
 SPARE = 1.15
 """How much wider and higher than needed the textures are made: a moving eye does not bring new ones every frame."""
 
+LARGEST = 8192
+"""Texels along a side of the textures, which then take 2 GiB."""
+
 LEVELS = 5
 """Of mipmaps. Rectangles begin at multiples of the coarsest texel, so that no texel belongs to two."""
 
 ALIGNMENT = 1 << (LEVELS - 1)
+
+SHRINKING = 0.9
+"""By which factor, again and again, maps are made smaller that are too large together."""
 
 
 class MapKind(Enum):
@@ -87,11 +93,22 @@ def arrange(sizes: Sequence[tuple[int, int]], widest: int) -> tuple[list[tuple[i
     return corners, (right, y + shelf)
 
 
+def shrunk(sizes: Sequence[tuple[int, int]], widest: int) -> list[tuple[int, int]]:
+    """`sizes` as they are, or all smaller by one factor, so that they fit together on a square of `widest`."""
+    fitting, scale = list(sizes), 1.0
+    while max(arrange(fitting, widest)[1]) > widest:
+        scale *= SHRINKING
+        fitting = [(max(int(scale * width), 1), max(int(scale * height), 1)) for width, height in sizes]
+    return fitting
+
+
 class Atlas:
     """The textures of one set of maps, which is laid out anew for each frame.
 
     Attributes
     ----------
+    views : list of MapView
+        The maps, smaller than they were asked for where there is no room for all.
     color, depth, end : textures
         Colours; depths with their slopes and the object seen; the point and the object at the end of each path. They
         are other ones after `place` has returned True.
@@ -103,19 +120,20 @@ class Atlas:
         self._antialias, self._levels, self._has_ends = antialias, LEVELS if mipmaps else 1, ends
         self._size = (0, 0)
         self._uniforms: list[ProjectionUniform] = []
-        self._views: Sequence[MapView] = ()
+        self.views: list[MapView] = []
         self._corners: list[tuple[int, int]] = []
         self.projections: list[np.ndarray] = []
 
     def place(self, views: Sequence[MapView]) -> bool:
         """Give each of the maps its rectangle; whether the textures had to be made anew."""
-        widest = maximum_size()
-        corners, needed = arrange([view.size for view in views], widest)
-        self._views, self._corners = views, corners
-        while len(self._uniforms) < len(views):
-            self._uniforms.append(projection_uniform())
+        widest = min(maximum_size(), LARGEST)
+        sizes = shrunk([view.size for view in views], widest)
+        self._corners, needed = arrange(sizes, widest)
+        self.views = [replace(view, size=size) for view, size in zip(views, sizes, strict=True)]
+        if len(self._uniforms) < len(views):
+            self._uniforms += [projection_uniform() for _ in range(2 * len(views) - len(self._uniforms))]
         self.projections = []
-        for view, corner, uniform in zip(views, corners, self._uniforms, strict=False):
+        for view, corner, uniform in zip(self.views, self._corners, self._uniforms, strict=False):
             self.projections.append(view.projection.uniform(view.size, corner))
             get_device().queue.write_buffer(uniform.buffer, 0, self.projections[-1])
         too_small = any(have < want for have, want in zip(self._size, needed, strict=True))
@@ -150,7 +168,7 @@ class Atlas:
         }
         target, pipelines = targets[kind]
         render_pass = begin_pass(encoder, target)
-        for view, corner, uniform in zip(self._views, self._corners, self._uniforms, strict=False):
+        for view, corner, uniform in zip(self.views, self._corners, self._uniforms, strict=False):
             render_pass.set_viewport(*corner, *view.size, 0.0, 1.0)
             render_pass.set_scissor_rect(*corner, *view.size)
             extra = view.extra

@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scenes import CAMERA, scene_with, spherical_mirror
 
-from anamorph.gpu.atlas import ALIGNMENT, Atlas, MapKind, MapView, arrange, fitted
+from anamorph.gpu.atlas import ALIGNMENT, Atlas, MapKind, MapView, arrange, shrunk
 from anamorph.gpu.buffers import upload_scene
 from anamorph.gpu.device import get_device
 from anamorph.gpu.drawing import submit
@@ -19,16 +19,6 @@ from anamorph.scene.geometry import flatten
 
 SIDES = st.one_of(st.integers(1, 700), st.sampled_from([1, ALIGNMENT - 1, ALIGNMENT, ALIGNMENT + 1]))
 RECTANGLES = st.lists(st.tuples(SIDES, SIDES), min_size=1, max_size=20)
-
-
-@given(RECTANGLES, st.sampled_from([512, 1024, 8192]), st.sampled_from([2_000, 100_000, 1 << 24]))
-def test_maps_shrink_until_they_fit(sizes, widest, most):
-    projection = camera_projection(CAMERA, (8, 8))
-    views, _, needed = fitted([MapView(projection, size, np.ones(1, bool)) for size in sizes], widest, most)
-    assert max(needed) <= widest
-    assert sum(view.size[0] * view.size[1] for view in views) <= max(most, len(views))
-    if sum(width * height for width, height in sizes) <= most and max(arrange(sizes, widest)[1]) <= widest:
-        assert [view.size for view in views] == sizes
 
 
 @given(RECTANGLES, st.sampled_from([704, 1024, 8192]))
@@ -50,6 +40,29 @@ def test_maps_of_like_sizes_leave_little_room_between_them(sizes):
     _, (right, bottom) = arrange(sizes, 8192)
     assert right * bottom <= 3.0 * sum(width * height for width, height in sizes)
     assert 0.25 <= right / bottom <= 4.0
+
+
+@given(RECTANGLES, st.sampled_from([704, 1024, 8192]), st.sampled_from([2_000, 100_000, 1 << 24]))
+def test_what_is_too_large_together_shrinks_alike_and_nothing_else_does(sizes, widest, most):
+    fitting = shrunk(sizes, widest, most)
+    assert max(arrange(fitting, widest)[1]) <= widest
+    assert sum(width * height for width, height in fitting) <= max(most, len(sizes))
+    if max(arrange(sizes, widest)[1]) <= widest and sum(width * height for width, height in sizes) <= most:
+        assert fitting == sizes
+    sides = [pair for pair in zip(np.ravel(fitting), np.ravel(sizes), strict=True) if pair[0] > 1]
+    # One factor gives them all, rounded down.
+    assert not sides or max(new / old for new, old in sides) < min((new + 1) / old for new, old in sides)
+
+
+def test_maps_that_the_largest_texture_cannot_hold_are_drawn_smaller(buffers, monkeypatch):
+    monkeypatch.setattr("anamorph.gpu.atlas.LARGEST", 256)
+    scene, count = buffers
+    atlas = Atlas()
+    atlas.place(views_of([(200, 200)] * 3, count))
+    assert max(atlas.color.size[:2]) <= 256
+    assert all(texels[..., :3].std() > 0.0 for texels in drawn_maps(atlas, scene, MapKind.COLOR))
+    for words, view in zip(atlas.projections, atlas.views, strict=True):
+        assert words[-4:-2].tolist() == list(view.size)
 
 
 def eyes():
@@ -77,7 +90,7 @@ def drawn_maps(atlas, buffers, kind):
     texels = read_texture(atlas.color if kind == MapKind.COLOR else atlas.depth)
     return [
         texels[y : y + view.size[1], x : x + view.size[0]]
-        for view, (x, y) in zip(atlas._views, atlas._corners, strict=True)
+        for view, (x, y) in zip(atlas.views, atlas._corners, strict=True)
     ]
 
 

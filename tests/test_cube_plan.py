@@ -18,6 +18,7 @@ from anamorph.methods.bodies import bodies_of, see
 from anamorph.methods.bundle import part_of, pixel_weights
 from anamorph.methods.cube_plan import FORWARD, RIGHT, UP, plan_cube
 from anamorph.methods.division import seen_faces
+from anamorph.methods.inconsistency import map_lines
 from anamorph.methods.warp import PlanOptions
 from anamorph.methods.world import world_of
 from anamorph.raymesh import RayStatus
@@ -102,6 +103,14 @@ def test_a_vertex_looks_up_the_direction_to_what_its_ray_hits(ball):
     np.testing.assert_allclose(
         np.linalg.norm(lookups[:, :3], axis=1), np.linalg.norm(rays.directions[plan.vertices], axis=1)
     )
+
+
+def test_the_lines_of_its_lookups_lead_from_the_near_planes_to_what_the_rays_hit(ball):
+    _, _, plan = ball
+    starts, lines = map_lines(plan, plan.lookups[0])
+    assert angles_between(lines, plan.hits - plan.viewpoint[:3]).max() < 1e-7
+    assert angles_between(lines, starts - plan.viewpoint[:3]).max() < 1e-6
+    assert (np.linalg.norm(starts - CENTER, axis=1) < np.linalg.norm(plan.hits - CENTER, axis=1)).all()
 
 
 corner_weights = st.lists(st.sampled_from([0.0, 1e-3, 0.2, 1.0]), min_size=3, max_size=3).filter(sum)

@@ -13,9 +13,9 @@ from scenes import drawn, open_view, scene_with, spherical_mirror
 
 from anamorph import cli
 from anamorph.errors import AnamorphError
-from anamorph.measure.deforming import COMPETITORS, DeformingTimes, Phases, deforming_table, time_deforming
+from anamorph.measure.deforming import COMPETITORS, DEFAULT, DeformingTimes, Phases, deforming_table, time_deforming
 from anamorph.measure.timing import Timing
-from anamorph.methods import METHODS
+from anamorph.methods import METHODS, parse
 from anamorph.scene import builtin
 from anamorph.scene.builtin.deforming import deformed
 from anamorph.scene.builtin.swell import deform
@@ -219,6 +219,10 @@ def test_the_benchmark_takes_turns_and_names_its_competitor():
     assert times.methods["raytrace:tree=rebuild"].p95_pixels == pytest.approx(0.0, abs=0.01)
     assert times.methods["environment:face=32"].p95_pixels > 0.1
     assert deforming_table(times).row_count == 3
+
+
+def test_what_is_timed_by_default_are_methods():
+    assert [parse(specification)[0].name for specification in DEFAULT] == ["pervertex"]
 
 
 @pytest.mark.parametrize("fast", COMPETITORS)

@@ -7,7 +7,7 @@ import pytest
 
 from anamorph.errors import AnamorphError
 from anamorph.gpu import textures
-from anamorph.gpu.buffers import storage_buffer
+from anamorph.gpu.buffers import roomy_buffer, storage_buffer
 from anamorph.gpu.device import get_device
 from anamorph.scene.model import Texture
 
@@ -37,3 +37,5 @@ def test_more_images_or_vertices_than_the_device_takes_are_refused() -> None:
     vertices = np.broadcast_to(np.float32(0.0), limits["max-storage-buffer-binding-size"] // 4 + 1)
     with pytest.raises(AnamorphError, match="in one buffer"):
         storage_buffer(vertices)
+    with pytest.raises(AnamorphError, match="in one buffer"):
+        roomy_buffer(None, vertices.nbytes)

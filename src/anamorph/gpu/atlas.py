@@ -28,6 +28,9 @@ from anamorph.projection import Projection
 SPARE = 1.15
 """How much wider and higher than needed the textures are made: a moving eye does not bring new ones every frame."""
 
+LARGEST = 8192
+"""Texels along a side of the textures, which then take 2 GiB."""
+
 LEVELS = 5
 """Of mipmaps. Rectangles begin at multiples of the coarsest texel, so that no texel belongs to two."""
 
@@ -35,6 +38,9 @@ MOST_TEXELS = 1 << 24
 """Of all maps of an atlas, at one sample each: with colours, depths and points they take up to 44 bytes."""
 
 ALIGNMENT = 1 << (LEVELS - 1)
+
+SHRINKING = 0.9
+"""By which factor, again and again, maps are made smaller that are too large together."""
 
 
 class MapKind(Enum):
@@ -90,22 +96,18 @@ def arrange(sizes: Sequence[tuple[int, int]], widest: int) -> tuple[list[tuple[i
     return corners, (right, y + shelf)
 
 
-def fitted(
-    views: Sequence[MapView], widest: int, most: int
-) -> tuple[Sequence[MapView], list[tuple[int, int]], tuple[int, int]]:
-    """The maps, smaller where it must be, with their corners and the room they take: no side over `widest`.
+def shrunk(sizes: Sequence[tuple[int, int]], widest: int, most: int) -> list[tuple[int, int]]:
+    """`sizes` as they are, or all smaller by one factor, so that they fit together on a square of `widest`.
 
     All of them have at most `most` texels, as far as maps of a texel allow.
     """
-    while True:
-        corners, needed = arrange([view.size for view in views], widest)
-        texels = sum(view.size[0] * view.size[1] for view in views)
-        if (max(needed) <= widest and texels <= most) or all(max(view.size) == 1 for view in views):
-            return views, corners, needed
-        scale = min(np.sqrt(most / texels), 0.9)
-        views = [
-            replace(view, size=(max(int(scale * view.size[0]), 1), max(int(scale * view.size[1]), 1))) for view in views
-        ]
+    fitting, scale = list(sizes), 1.0
+    while max(arrange(fitting, widest)[1]) > widest or sum(width * height for width, height in fitting) > most:
+        if all(size == (1, 1) for size in fitting):
+            break
+        scale *= SHRINKING
+        fitting = [(max(int(scale * width), 1), max(int(scale * height), 1)) for width, height in sizes]
+    return fitting
 
 
 class Atlas:
@@ -113,6 +115,8 @@ class Atlas:
 
     Attributes
     ----------
+    views : list of MapView
+        The maps, smaller than they were asked for where there is no room for all.
     color, depth, end : textures
         Colours; depths with their slopes and the object seen; the point and the object at the end of each path. They
         are other ones after `place` has returned True.
@@ -124,22 +128,20 @@ class Atlas:
         self._antialias, self._levels, self._has_ends = antialias, LEVELS if mipmaps else 1, ends
         self._size = (0, 0)
         self._uniforms: list[ProjectionUniform] = []
-        self._views: Sequence[MapView] = ()
+        self.views: list[MapView] = []
         self._corners: list[tuple[int, int]] = []
         self.projections: list[np.ndarray] = []
 
     def place(self, views: Sequence[MapView]) -> bool:
-        """Give each of the maps its rectangle; whether the textures had to be made anew.
-
-        Where all of them take more texels than there may be, each gets fewer.
-        """
-        widest = maximum_size()
-        views, corners, needed = fitted(views, widest, MOST_TEXELS // self._antialias)
-        self._views, self._corners = views, corners
-        while len(self._uniforms) < len(views):
-            self._uniforms.append(projection_uniform())
+        """Give each of the maps its rectangle; whether the textures had to be made anew."""
+        widest = min(maximum_size(), LARGEST)
+        sizes = shrunk([view.size for view in views], widest, MOST_TEXELS // self._antialias)
+        self._corners, needed = arrange(sizes, widest)
+        self.views = [replace(view, size=size) for view, size in zip(views, sizes, strict=True)]
+        if len(self._uniforms) < len(views):
+            self._uniforms += [projection_uniform() for _ in range(2 * len(views) - len(self._uniforms))]
         self.projections = []
-        for view, corner, uniform in zip(self._views, corners, self._uniforms, strict=False):
+        for view, corner, uniform in zip(self.views, self._corners, self._uniforms, strict=False):
             self.projections.append(view.projection.uniform(view.size, corner))
             get_device().queue.write_buffer(uniform.buffer, 0, self.projections[-1])
         too_small = any(have < want for have, want in zip(self._size, needed, strict=True))
@@ -174,7 +176,7 @@ class Atlas:
         }
         target, pipelines = targets[kind]
         render_pass = begin_pass(encoder, target)
-        for view, corner, uniform in zip(self._views, self._corners, self._uniforms, strict=False):
+        for view, corner, uniform in zip(self.views, self._corners, self._uniforms, strict=False):
             render_pass.set_viewport(*corner, *view.size, 0.0, 1.0)
             render_pass.set_scissor_rect(*corner, *view.size)
             extra = view.extra

@@ -112,15 +112,21 @@ def upload_scene(scene: Scene, geometry: Geometry) -> SceneBuffers:
     )
 
 
-def storage_buffer(data: np.ndarray, usage: int = 0) -> wgpu.GPUBuffer:
-    """A buffer that shaders can read, filled with `data`."""
+def _most_bytes(needed: int) -> int:
+    """The most that one buffer may take; an error where that is less than the bytes that are `needed`."""
     limits = get_device().limits
-    limit = min(limits["max-buffer-size"], limits["max-storage-buffer-binding-size"])
-    if data.nbytes > limit:
+    limit = min(limits["max-buffer-size"], limits["max-storage-buffer-binding-size"]) // 16 * 16
+    if needed > limit:
         raise AnamorphError(
-            f"scene: needs {data.nbytes / 2**20:.0f} MiB in one buffer, and the device takes {limit / 2**20:.0f}; "
+            f"scene: needs {needed / 2**20:.0f} MiB in one buffer, and the device takes {limit / 2**20:.0f}; "
             "simplify its meshes"
         )
+    return limit
+
+
+def storage_buffer(data: np.ndarray, usage: int = 0) -> wgpu.GPUBuffer:
+    """A buffer that shaders can read, filled with `data`."""
+    _most_bytes(data.nbytes)
     return get_device().create_buffer_with_data(
         data=np.ascontiguousarray(data), usage=wgpu.BufferUsage.STORAGE | wgpu.BufferUsage.COPY_DST | usage
     )
@@ -130,8 +136,8 @@ def roomy_buffer(buffer: wgpu.GPUBuffer | None, needed: int) -> wgpu.GPUBuffer:
     """`buffer` if it has the bytes that are needed, else a new one with some to spare."""
     if buffer is not None and buffer.size >= needed:
         return buffer
-    limit = get_device().limits["max-storage-buffer-binding-size"]
-    size = max(needed, min(int(SPARE * needed), limit)) + 15 & ~15
+    limit = _most_bytes(needed)
+    size = min((max(needed, int(SPARE * needed)) + 15) & ~15, limit)
     return get_device().create_buffer(size=size, usage=wgpu.BufferUsage.STORAGE | wgpu.BufferUsage.COPY_DST)
 
 

@@ -119,8 +119,8 @@ fn is_front(point: vec4f) -> bool {
 
 // For a map's reader: depth is linear in the picture on each triangle, so that depth, its slopes and the object
 // number give back the seen point anywhere in the texel.
-fn depth_and_slopes(fragment: SceneFragment) -> vec4f {
-    return vec4f(fragment.pixel.z, dpdx(fragment.pixel.z), dpdy(fragment.pixel.z), f32(fragment.object));
+fn depth_and_slopes(pixel: vec4f, object: u32) -> vec4f {
+    return vec4f(pixel.z, dpdx(pixel.z), dpdy(pixel.z), f32(object));
 }
 
 // Diffuse meshes, and the backs of mirrors.
@@ -141,12 +141,12 @@ struct ColorAndDepth {
 
 @fragment
 fn scene_color_and_depth(fragment: SceneFragment) -> ColorAndDepth {
-    return ColorAndDepth(shaded(fragment), depth_and_slopes(fragment));
+    return ColorAndDepth(shaded(fragment), depth_and_slopes(fragment.pixel, fragment.object));
 }
 
 @fragment
 fn stand_in_color_and_depth(fragment: SceneFragment) -> ColorAndDepth {
-    return ColorAndDepth(stood_in(fragment), depth_and_slopes(fragment) + FRONT);
+    return ColorAndDepth(stood_in(fragment), depth_and_slopes(fragment.pixel, fragment.object) + FRONT);
 }
 
 @fragment
@@ -161,12 +161,12 @@ fn scene_seen(fragment: SceneFragment) -> Seen {
 
 @fragment
 fn scene_depth(fragment: SceneFragment) -> @location(0) vec4f {
-    return depth_and_slopes(fragment);
+    return depth_and_slopes(fragment.pixel, fragment.object);
 }
 
 @fragment
 fn stand_in_depth(fragment: SceneFragment) -> @location(0) vec4f {
-    return depth_and_slopes(fragment) + FRONT;
+    return depth_and_slopes(fragment.pixel, fragment.object) + FRONT;
 }
 
 @fragment

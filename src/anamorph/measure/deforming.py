@@ -31,7 +31,8 @@ from anamorph.scene.scenefile import DEFAULT_SIZE
 COMPETITORS = ("raytrace:tree=refit", "raytrace:tree=rebuild")
 """The ray tracer with both ways to follow the motion; the faster one is what every time is compared with."""
 
-DEFAULT = "pervertex:start=direction,refine=1"
+DEFAULT = ("pervertex:start=direction,refine=1",)
+"""What is timed against it where nothing is chosen."""
 
 RATE = 30.0
 """Frames of the motion in a second."""

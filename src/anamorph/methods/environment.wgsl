@@ -5,20 +5,14 @@
 @group(2) @binding(2) var cube_sampler: sampler;
 @group(2) @binding(3) var cube_depth: texture_2d_array<f32>;
 
-// The face, in the order +x, -x, +y, -y, +z, -z, and the place on it (0 to 1, y down) that a direction meets.
+// The face and the place on it (0 to 1, y down) that a direction meets.
 struct CubePlace {
-    face: u32,
+    face: i32,
     place: vec2f,
 }
 
 fn cube_place(direction: vec3f) -> CubePlace {
-    let size = abs(direction);
-    var face = select(5u, 4u, direction.z > 0.0);
-    if size.x >= size.y && size.x >= size.z {
-        face = select(1u, 0u, direction.x > 0.0);
-    } else if size.y >= size.z {
-        face = select(3u, 2u, direction.y > 0.0);
-    }
+    let face = cube_face(direction);
     let basis = faces[face];
     let along = dot(direction, basis.base.xyz);
     let place = vec2f(dot(direction, basis.right.xyz), dot(direction, basis.up.xyz)) / along;

@@ -8,9 +8,11 @@ from __future__ import annotations
 
 import numpy as np
 
+from anamorph.methods.cube_plan import FORWARD
 from anamorph.methods.pictures import Seen
 from anamorph.methods.warp import MapPlan
 from anamorph.methods.world import World
+from anamorph.projection import Projection
 from anamorph.raymesh import RayStatus
 
 NEARER = 1e-3
@@ -24,19 +26,33 @@ def map_lines(plan: MapPlan, lookups: np.ndarray) -> tuple[np.ndarray, np.ndarra
     ----------
     plan : MapPlan
     lookups : (N, 4) float64
-        (s q, t q, q, valid).
+        (s q, t q, q, valid); of a cube map directions from its viewpoint, and valid.
 
     Returns
     -------
     starts, lines : (N, 3) float64
         Where they enter the map, and unit vectors along them.
     """
-    x, y = (2.0 * lookups[:, :2] / lookups[:, 2:3] - 1.0).T * [[1.0], [-1.0]]
+    if plan.cube:
+        return _cube_lines(plan, lookups[:, :3])
     # Of converging rays the last projection is the one before their crossing: there the lines enter.
-    projection = plan.projections[-1]
-    ones = np.ones_like(x)
-    near = np.stack([x, y, ones, ones], axis=1) @ np.linalg.inv(projection.clip).T
-    lines = projection.base + x[:, None] * projection.right + y[:, None] * projection.up
+    return _lines(plan.projections[-1], (2.0 * lookups[:, :2] / lookups[:, 2:3] - 1.0) * [1.0, -1.0])
+
+
+def _cube_lines(plan: MapPlan, directions: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    starts = np.tile(plan.viewpoint[:3], (len(directions), 1))
+    lines = directions / np.linalg.norm(directions, axis=1, keepdims=True)
+    face = (directions @ FORWARD.T).argmax(axis=1)
+    for number, projection in zip(plan.cube, plan.projections, strict=True):
+        clip = directions[face == number] @ projection.clip[:, :3].T
+        starts[face == number], lines[face == number] = _lines(projection, clip[:, :2] / clip[:, 3:])
+    return starts, lines
+
+
+def _lines(projection: Projection, places: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Starts on the near plane, and unit vectors, of the lines through places (N, 2) from -1 to 1, y up."""
+    near = np.column_stack([places, np.ones((len(places), 2))]) @ np.linalg.inv(projection.clip).T
+    lines = projection.base + places @ np.stack([projection.right, projection.up])
     return near[:, :3] / near[:, 3:], lines / np.linalg.norm(lines, axis=1, keepdims=True)
 
 

@@ -108,7 +108,7 @@ fn refractor_color(fragment: RefractorFragment) -> @location(0) vec4f {
 
 @fragment
 fn refractor_color_and_depth(fragment: RefractorFragment) -> ColorAndDepth {
-    let depth = vec4f(fragment.pixel.z, dpdx(fragment.pixel.z), dpdy(fragment.pixel.z), f32(fragment.object.x)) + FRONT;
+    let depth = depth_and_slopes(fragment.pixel, fragment.object.x) + FRONT;
     return ColorAndDepth(refracted_color(fragment), depth);
 }
 
@@ -136,7 +136,7 @@ fn refracted(fragment: RefractorFragment) -> Refracted {
 
 @fragment
 fn refractor_depth(fragment: RefractorFragment) -> @location(0) vec4f {
-    return vec4f(fragment.pixel.z, dpdx(fragment.pixel.z), dpdy(fragment.pixel.z), f32(fragment.object.x)) + FRONT;
+    return depth_and_slopes(fragment.pixel, fragment.object.x) + FRONT;
 }
 
 @fragment

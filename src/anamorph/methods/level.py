@@ -117,6 +117,7 @@ class Level:
     def place(self) -> None:
         """Lay out the maps, and hand all over to the device."""
         made = self.atlas.place(self.views)
+        self.views = self.atlas.views
         contents = [np.concatenate(self._triangles), np.concatenate(self._data)]
         buffers = [roomy_buffer(old, data.nbytes) for old, data in zip(self._buffers, contents, strict=True)]
         maps = self._patch_maps()

@@ -97,13 +97,13 @@ fn reflector_color(fragment: ReflectorFragment) -> @location(0) vec4f {
 // In a map of another mirror: the mirror's own depth goes with it.
 @fragment
 fn reflector_color_and_depth(fragment: ReflectorFragment) -> ColorAndDepth {
-    let depth = vec4f(fragment.pixel.z, dpdx(fragment.pixel.z), dpdy(fragment.pixel.z), f32(fragment.object.x)) + FRONT;
+    let depth = depth_and_slopes(fragment.pixel, fragment.object.x) + FRONT;
     return ColorAndDepth(reflected_color(fragment), depth);
 }
 
 @fragment
 fn reflector_depth(fragment: ReflectorFragment) -> @location(0) vec4f {
-    return vec4f(fragment.pixel.z, dpdx(fragment.pixel.z), dpdy(fragment.pixel.z), f32(fragment.object.x)) + FRONT;
+    return depth_and_slopes(fragment.pixel, fragment.object.x) + FRONT;
 }
 
 @fragment

@@ -122,7 +122,7 @@ class Pictures:
         self._world, self._bodies, self._levels, self._options, self._draw = world, bodies, levels, options, draw
         self._eye: tuple[float, ...] = ()
         self._sights: list[Sight] = []
-        self._used_texels = 0.0
+        self._planned_texels = self._used_texels = 0.0
 
     def moved(self, world: World) -> None:
         """Take over a world whose meshes have moved."""
@@ -133,7 +133,7 @@ class Pictures:
 
         As long as the eye stays, what the bodies do to its rays is not found again.
         """
-        self._used_texels = 0.0
+        self._planned_texels = self._used_texels = 0.0
         for level in self._levels:
             level.clear()
         key = (*eye.point, *eye.matrix.ravel())
@@ -152,7 +152,8 @@ class Pictures:
         """How many maps the last plan has, of all depths, their texels, and the share of these that is looked up."""
         views = [view for level in self._levels for view in level.views]
         texels = sum(view.size[0] * view.size[1] for view in views)
-        used = {"maps_used_percent": 100.0 * self._used_texels / texels} if texels else {}
+        # An atlas that is full makes all its maps smaller, and the share stays.
+        used = {"maps_used_percent": 100.0 * self._used_texels / self._planned_texels} if views else {}
         return {"maps": float(len(views)), "map_texels": float(texels), **used}
 
     def draw_maps(self, encoder: wgpu.GPUCommandEncoder, buffers: SceneBuffers, kinds: Sequence[MapKind]) -> None:
@@ -184,7 +185,9 @@ class Pictures:
                 views = [self._view(body, plan, number, depth, extra) for number in range(len(plan.projections))]
                 first = len(level.views)
                 level.views.extend(views)
-                self._used_texels += min(plan.used, 1.0) * sum(view.size[0] * view.size[1] for view in views)
+                texels = sum(view.size[0] * view.size[1] for view in views)
+                self._planned_texels += texels
+                self._used_texels += min(plan.used, 1.0) * texels
                 draws.append(level.add(sight, faces, plan, range(first, first + len(views))))
                 hits[plan.vertices], distances[plan.vertices] = plan.hits, plan.distances
                 plans.append(plan)

@@ -66,18 +66,6 @@ fn view_number(at: Place, side: i32) -> i32 {
     return select(side, at.view, CUBE == 1);
 }
 
-// The face of a cube map, in the order +x, -x, +y, -y, +z, -z, that a direction meets.
-fn cube_face(direction: vec3f) -> i32 {
-    let size = abs(direction);
-    if size.x >= size.y && size.x >= size.z {
-        return select(1, 0, direction.x > 0.0);
-    }
-    if size.y >= size.z {
-        return select(3, 2, direction.y > 0.0);
-    }
-    return select(5, 4, direction.z > 0.0);
-}
-
 // Where a side's map shows a point (w: 1) or a direction (w: 0); `otherwise` where it does not.
 fn locate(point: vec4f, side: i32, otherwise: Place) -> Place {
     var view = side;

@@ -301,6 +301,8 @@ def test_the_demo_writes_a_page_figures_and_a_picture_by_each_method(tmp_path, m
 
 def test_a_scene_with_glass_is_drawn_by_the_methods_that_can(tmp_path):
     quiet_success(run("render", "magnifier", "--size", "48x36", "-o", "lens.png", directory=tmp_path))
+    told = run("render", "magnifier", "--tolerance", "0.5", "--size", "48x36", "-o", "lens.png", directory=tmp_path)
+    assert (told.returncode, told.stderr) == (0, "") and "refined" in told.stdout
     quiet_success(run("compare", "magnifier", "--size", "48x36", "--json", "lens.json", directory=tmp_path))
     assert list(json.loads((tmp_path / "lens.json").read_text())["methods"]) == ["raytrace", "pervertex"]
 
@@ -309,8 +311,17 @@ def test_a_picture_with_gaps_says_so_and_how_to_fill_them(tmp_path):
     size = ("--size", "64x48", "-o", "a.png")
     told = run("render", "spheres", *size, directory=tmp_path)
     assert told.returncode == 0
-    assert told.stderr.count("\n") == 1 and "--tolerance" in told.stderr
+    assert told.stderr.count("\n") == 1 and "--tolerance 0.5" in told.stderr
+    assert "one more mirror" in told.stderr and "bounces=8" in told.stderr
+    traced = run("render", "spheres", "-m", "raytrace:bounces=1", *size, directory=tmp_path)
+    assert traced.stderr.count("\n") == 1 and "raytrace:bounces=2" in traced.stderr and "tolerance" not in traced.stderr
     quiet_success(run("render", "spheres", "-m", "pervertex:tolerance=0.5", *size, directory=tmp_path))
+
+
+def test_a_tolerance_for_a_method_that_has_none_is_one_line(tmp_path):
+    told = run("render", "spheres", "-m", "raytrace", "--tolerance", "1", "-o", "a.png", directory=tmp_path)
+    assert told.returncode == 2 and told.stderr.count("\n") == 1
+    assert "--tolerance" in told.stderr and "raytrace" in told.stderr and "pervertex" in told.stderr
 
 
 def test_a_tolerance_says_how_the_pixels_got_their_value(tmp_path):

@@ -191,6 +191,8 @@ def test_an_impossible_lens_is_refused_with_a_remedy_that_works(prescription):
     ("change", "word"),
     [
         ({"sphere": np.nan}, "sphere"),
+        ({"sphere": "-4"}, "sphere"),
+        ({"cylinder": None}, "cylinder"),
         ({"index": 1.0}, "index"),
         ({"abbe": 0.0}, "abbe"),
         ({"axis": 181.0}, "axis"),
@@ -199,6 +201,7 @@ def test_an_impossible_lens_is_refused_with_a_remedy_that_works(prescription):
         ({"centre_thickness": 0.0}, "centre_thickness"),
         ({"diameter": -60.0}, "diameter"),
         ({"vertex_distance": -1.0}, "vertex_distance"),
+        ({"vertex_distance": 0.0}, "vertex_distance"),
     ],
 )
 def test_a_prescription_that_makes_no_sense_is_refused_by_field(change, word):

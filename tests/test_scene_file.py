@@ -79,8 +79,7 @@ def test_the_documented_example_loads(folder: Path) -> None:
 @pytest.mark.parametrize("name", builtin.names())
 def test_every_built_in_scene_is_fit_to_be_drawn(name: str) -> None:
     scene, settings = open_scene(name)
-    glass = any(isinstance(mesh.material, Glass) for mesh in scene.meshes)
-    assert scene.name == name and settings == (Settings(method="raytrace") if glass else Settings())
+    assert scene.name == name and settings == Settings()
 
 
 def test_a_built_in_scene_can_be_changed(tmp_path: Path) -> None:

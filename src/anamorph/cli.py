@@ -88,7 +88,7 @@ def _render(arguments: argparse.Namespace) -> None:
         check_output(path, (".npy",))
     _check_distinct(arguments.output, *(path for _, path in arguments.seen))
     from anamorph.frame import View
-    from anamorph.measure.status import status_shares
+    from anamorph.measure.status import gaps, status_shares
     from anamorph.methods import parse, with_option
     from anamorph.rendering import draw_frame
     from anamorph.scene.opening import open_scene
@@ -102,6 +102,9 @@ def _render(arguments: argparse.Namespace) -> None:
         view = View(scene, scene.camera, size, samples=arguments.samples)
         specification = arguments.method or settings.method
         if arguments.tolerance is not None:
+            method, options = parse(specification)
+            if not hasattr(options, "tolerance"):
+                raise AnamorphError(f"--tolerance: {method.name} has none; leave it out, or give -m pervertex")
             specification = with_option(specification, "tolerance", arguments.tolerance)
 
         def drawn(done: int, total: int) -> None:
@@ -113,9 +116,14 @@ def _render(arguments: argparse.Namespace) -> None:
         save_array(path, getattr(frame, name))
     if arguments.tolerance is not None and frame.specular is not None:
         print(_shares(status_shares(frame, frame.specular > 0)))
-    if frame.outside_share > NOTEWORTHY:
-        share = f"{100.0 * frame.outside_share:.0f}% of the mirrors' pixels"
-        print(f"anamorph: note: {share} got no reflection and show the sky; try --tolerance 0.5", file=sys.stderr)
+    lost, ended = gaps(frame, scene)
+    if lost + ended > NOTEWORTHY:
+        share = f"{100.0 * (lost + ended):.0f}% of the pixels of mirrors and lenses"
+        why = "lead to one more mirror or lens" if ended > lost else "have no place in a map"
+        print(
+            f"anamorph: note: {share} {why} and show the sky; try {_remedy(specification, ended > lost)}",
+            file=sys.stderr,
+        )
 
 
 def _compare(arguments: argparse.Namespace) -> None:
@@ -199,6 +207,21 @@ def _face_choice(arguments: argparse.Namespace) -> FaceChoice | None:
     said = {"faces": arguments.faces, "density": arguments.density, "flip": arguments.flip or None}
     said = {name: value for name, value in said.items() if value is not None}
     return FaceChoice(**said) if said else None
+
+
+def _remedy(specification: str, ended: bool) -> str:
+    """What to ask for where pixels got no answer: more bounces if most paths `ended`, or tracing."""
+    from anamorph.methods import parse
+    from anamorph.methods.pervertex import MAXIMUM_BOUNCES
+
+    method, options = parse(specification)
+    if method.name != "pervertex":
+        return f"-m {method.name}:bounces={min(2 * max(options.bounces, 1), 255)}"
+    if options.tolerance > 0.0:
+        return f"-m raytrace:bounces={2 * MAXIMUM_BOUNCES}"
+    if ended and options.bounces < MAXIMUM_BOUNCES:
+        return f"more bounces than {options.bounces}, as -m pervertex:bounces={MAXIMUM_BOUNCES}, or --tolerance 0.5"
+    return "--tolerance 0.5"
 
 
 def _shares(shares: dict[str, float]) -> str:

@@ -29,7 +29,7 @@ from anamorph.projection import UNIFORM_BYTES, Projection, pinhole_projection
 from anamorph.raymesh import RayMesh, RayStatus
 from anamorph.scene.camera import Camera
 from anamorph.scene.geometry import Geometry
-from anamorph.scene.model import Scene
+from anamorph.scene.model import Glass, Scene
 
 DEFAULT_FACE, MAXIMUM_FACE = 1024, 4096
 """Texels along an edge that a cube map takes at most by itself, and when asked."""
@@ -260,6 +260,9 @@ def open_session(view: View, options: Options) -> Session:
         for name in ("update", "face"):
             if getattr(options, name) != getattr(Options, name):
                 raise AnamorphError(f"environment: {name} is for cube maps; leave it out, or give mode=cube")
+    glass = next((mesh.name for mesh in view.scene.meshes if isinstance(mesh.material, Glass)), None)
+    if glass is not None:
+        raise AnamorphError(f"environment: draws mirrors alone, and {glass!r} is glass; use pervertex or raytrace")
     stage = Stage(view)
     if options.mode == "planar":
         _check_flat(view)

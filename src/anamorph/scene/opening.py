@@ -41,8 +41,7 @@ def open_scene(
         choice = choice or FaceChoice()
         return check_scene(replace_mirror(scene, chosen_faces(path, choice), choice.density, str(path))), settings
     if str(source) in builtin.names():
-        scene = check_scene(builtin.make(str(source)))
-        return scene, Settings(method="raytrace") if scene.refracts else Settings()
+        return check_scene(builtin.make(str(source))), Settings()
     if suffix == ".toml":
         return load_scene_file(path)
     if suffix in SUFFIXES or path.is_file():

@@ -61,14 +61,16 @@ class Prescription:
     def __post_init__(self) -> None:
         for entry in fields(self):
             value = getattr(self, entry.name)
-            if value is not None and not np.isfinite(value):
-                raise AnamorphError(f"prescription: {entry.name} is {value}; give a finite number")
-        for name, unit in (("abbe", ""), ("centre_thickness", " of millimetres"), ("diameter", " of millimetres")):
+            if value is None and entry.name == "base_curve":
+                continue
+            if not isinstance(value, int | float | np.integer | np.floating) or not np.isfinite(value):
+                raise AnamorphError(f"prescription: {entry.name} is {value!r}; give a finite number")
+        lengths = ("centre_thickness", "diameter", "vertex_distance")
+        for name, unit in (("abbe", ""), *((length, " of millimetres") for length in lengths)):
             if getattr(self, name) <= 0.0:
                 raise AnamorphError(f"prescription: {name} is {getattr(self, name):g}; give a positive number{unit}")
-        for name, unit in (("prism", "prism dioptres"), ("vertex_distance", "millimetres")):
-            if getattr(self, name) < 0.0:
-                raise AnamorphError(f"prescription: {name} is {getattr(self, name):g}; give 0 or more {unit}")
+        if self.prism < 0.0:
+            raise AnamorphError(f"prescription: prism is {self.prism:g}; give 0 or more prism dioptres")
         if not 1.0 < self.index <= 4.0:
             raise AnamorphError(f"prescription: index is {self.index:g}; give one above 1 and up to 4, 1.5 for plastic")
         if not 0.0 <= self.axis <= 180.0:

@@ -13,12 +13,17 @@ from anamorph.optics.viewpoint import virtual_viewpoint
 from anamorph.raymesh import RayMesh, RayStatus
 
 MOST_PATCHES = 32
+"""Into which a body is divided, even where that leaves some wider than asked for."""
+
 MOST_PARTS = 8
-"""Of one patch."""
+"""Into which a patch of a closed body is halved, again and again."""
 
 
 def seen_faces(rays: RayMesh, size: tuple[int, int]) -> np.ndarray:
-    """The numbers of the faces that may be seen in a picture of `size`: some vertex faces the eye, none are outside."""
+    """The numbers, (N,), of the faces that may be seen in a picture of `size` (width, height).
+
+    Some vertex faces the eye, and not all three lie outside the picture on the same side.
+    """
     facing = (rays.status != RayStatus.BACK_FACING)[rays.faces].any(axis=1)
     x, y, w = rays.picture.T
     outside = (w <= 0.0, x < 0.0, x > size[0] * w, y < 0.0, y > size[1] * w)
@@ -78,6 +83,11 @@ def part_where_hidden(rays: RayMesh, faces: np.ndarray, world: World, own: tuple
     world : World
     own : tuple of int
         The object numbers of the body, which hide nothing.
+
+    Returns
+    -------
+    list of int arrays
+        The faces of each part, at most `MOST_PARTS`.
     """
     waiting: list[np.ndarray] = [faces]
     done: list[np.ndarray] = []
@@ -89,7 +99,7 @@ def part_where_hidden(rays: RayMesh, faces: np.ndarray, world: World, own: tuple
         middles = middles - middles.mean(axis=0)
         along = middles @ np.linalg.eigh(middles.T @ middles)[1][:, -1]
         upper = along > 0.5 * (along.min() + along.max())
-        whole = upper.all() or not upper.any() or len(waiting) + len(done) >= MOST_PARTS
+        whole = upper.all() or not upper.any() or len(waiting) + len(done) + 2 > MOST_PARTS
         if whole or not len(vertices) or not _hidden(rays, vertices, world, own):
             done.append(part)
         else:

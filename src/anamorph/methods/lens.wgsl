@@ -1,7 +1,9 @@
 // Per-vertex refraction: a lens drawn with the map, for light of one colour or of three in one pass.
 // Kakimoto et al. 2007, section 4.5. Follows warp.wgsl.
 
+// A flag of a triangle: it has lookups and rays for green, red and blue.
 const THREE_COLORS = 4u;
+
 struct RefractorFragment {
     @builtin(position) @invariant pixel: vec4f,
     // Object number and flags.
@@ -69,6 +71,7 @@ fn way_of(fragment: RefractorFragment, start: Place) -> u32 {
     }
     return select(LOST, LEAVES, inside_map(start, fragment.lookup_green.w));
 }
+
 // The matt edge, seen from within the glass.
 fn edge_color(fragment: RefractorFragment) -> vec3f {
     var point: SurfacePoint;

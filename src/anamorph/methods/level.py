@@ -27,6 +27,8 @@ NOWHERE = (0.5, 0.5, 1.0, 0.0)
 """The lookup of a vertex that no map shows."""
 
 MOST_VIEWS = 6
+"""Maps of one patch: the faces of a cube map."""
+
 CLIP_WORDS = 32
 """Of a `Projection`, those of its two matrices, which come first."""
 

@@ -13,6 +13,7 @@ from anamorph.methods.session import Stage
 from anamorph.methods.tiles import Tiles, tiles_at_once
 from anamorph.rays import Caster
 from anamorph.scene.camera import Camera
+from anamorph.scene.geometry import Geometry
 
 TILE = (4, 4)
 """Columns and rows of a traced tile: pixels beside each other share their footprints."""
@@ -36,6 +37,10 @@ class Mender:
         self._tracer = PathTracer(stage.view.scene, stage.geometry, caster)
         self._batches: list[Tiles] = []
         self._used = 0
+
+    def moved(self, geometry: Geometry) -> None:
+        """Follow the scene's vertices; the caster has followed already."""
+        self._tracer.moved(geometry)
 
     def trace(self, corners: np.ndarray, camera: Camera, shift: tuple[float, float]) -> None:
         """Trace the tiles at `corners`, and upload where their paths end."""

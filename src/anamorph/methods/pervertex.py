@@ -175,6 +175,8 @@ class PerVertexDrawing:
         caster = self._world.caster
         if self._options.start == "vertices":
             caster.moved(geometry.positions)
+        if self._mender is not None:
+            self._mender.moved(geometry)
         self._world = world_of(geometry, caster)
         self._pictures.moved(self._world)
         self._camera = None

@@ -15,7 +15,7 @@ override CUBE: i32 = 0;
 
 const MAP_LEVELS = 5.0;
 
-// Flags of a triangle
+// A flag of a triangle: the true surface lies off it.
 const SMOOTH = 1u;
 
 struct WarpedTriangle {
@@ -27,7 +27,8 @@ struct WarpedTriangle {
     padding: u32,
 }
 
-// The maps of one patch: of converging rays first what lies beyond their crossing, then what lies before it.
+// The maps of one patch: of converging rays first what lies beyond their crossing, then what lies before it; of a cube
+// map its faces, by their numbers.
 struct PatchMaps {
     views: array<Projection, 6>,
 }

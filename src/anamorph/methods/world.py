@@ -13,7 +13,6 @@ from anamorph.scene.geometry import Geometry
 MOST_LAYERS = 4
 """How many of a body's own surfaces a ray is followed through."""
 
-
 CLOSED = 0.9
 """The share of a closed surface behind which its own other side is."""
 
@@ -22,7 +21,6 @@ MOSTLY = 0.4
 
 LYING = 0.05
 """How far from a surface, in its sizes, what lies on it may begin."""
-
 
 BESIDE = 0.1
 """How far from a surface's border, in its sizes, a frame stands."""

@@ -49,6 +49,10 @@ class RayMesh:
     status: np.ndarray
     share: np.ndarray | None = None
 
+    def places(self) -> np.ndarray:
+        """Where the vertices are in the picture, (V, 2) pixels; it means nothing for those behind the eye."""
+        return self.picture[:, :2] / np.where(self.picture[:, 2:] > 0.0, self.picture[:, 2:], 1.0)
+
     def unit_directions(self) -> np.ndarray:
         """The directions normalised, (V, 3)."""
         return self.directions / np.linalg.norm(self.directions, axis=1, keepdims=True)

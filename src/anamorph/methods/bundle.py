@@ -27,7 +27,7 @@ def part_of(rays: RayMesh, vertices: np.ndarray, faces: np.ndarray) -> RayMesh:
 
 def pixel_weights(rays: RayMesh, facing: np.ndarray) -> np.ndarray:
     """The share of the mirror's picture around each vertex that faces the eye: all that is seen counts alike."""
-    places = rays.picture[:, :2] / np.where(rays.picture[:, 2:] > 0.0, rays.picture[:, 2:], 1.0)
+    places = rays.places()
     faces = rays.faces[(facing & (rays.picture[:, 2] > 0.0))[rays.faces].all(axis=1)]
     areas = np.bincount(faces.ravel(), np.repeat(areas_of(places[faces]), 3), len(facing))[facing]
     return areas / areas.sum() if areas.sum() > 0.0 else np.full(len(areas), 1.0 / len(areas))

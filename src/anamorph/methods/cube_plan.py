@@ -195,7 +195,7 @@ def _density(rays: RayMesh, lookups: np.ndarray, facing: np.ndarray, extents: np
     faces = rays.faces[(facing & (lookups[:, 3] > 0.0) & (rays.picture[:, 2] > 0.0))[rays.faces].all(axis=1)]
     if not len(faces):
         return 32.0, 0.0
-    places = rays.picture[:, :2] / np.where(rays.picture[:, 2:] > 0.0, rays.picture[:, 2:], 1.0)
+    places = rays.places()
     units = lookups[:, :3] / np.maximum(np.linalg.norm(lookups[:, :3], axis=1, keepdims=True), 1e-12)
     corners = units[faces]
     middles = corners.sum(axis=1)

@@ -82,7 +82,7 @@ def face_size(rays: RayMesh) -> int:
     edges = edges[((rays.status == RayStatus.OK) & (rays.picture[:, 2] > 0.0))[edges].all(axis=1)]
     if not len(edges):
         return 64
-    places = rays.picture[:, :2] / np.where(rays.picture[:, 2:] > 0.0, rays.picture[:, 2:], 1.0)
+    places = rays.places()
     pixels = np.linalg.norm(places[edges[:, 0]] - places[edges[:, 1]], axis=1)
     directions = rays.unit_directions()
     angles = np.linalg.norm(directions[edges[:, 0]] - directions[edges[:, 1]], axis=1)

@@ -341,7 +341,7 @@ def _texels(
     faces = rays.faces[(valid & (rays.picture[:, 2] > 0.0))[rays.faces].all(axis=1)]
     if not len(faces):
         return (64.0, 64.0), 0.0
-    places = rays.picture[:, :2] / np.where(rays.picture[:, 2:] > 0.0, rays.picture[:, 2:], 1.0)
+    places = rays.places()
     pixels, shares = areas_of(places[faces]), areas_of(texcoords[faces])
     density = pixels / np.maximum(shares, 1e-12)
     order = np.argsort(density)

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import Phase, given, settings
+from hypothesis import Phase, example, given, settings
 from hypothesis import strategies as st
 
 from anamorph.errors import AnamorphError
@@ -91,6 +91,7 @@ QUICK = settings(max_examples=60, deadline=None, phases=(Phase.explicit, Phase.g
 
 @QUICK
 @given(KINDS, SEEDS)
+@example("one plane", 66965)
 def test_shapes_hold_every_projected_corner_once_and_run_along_scene_edges(kind, seed):
     p, n, corners, _ = scene(seed, kind)
     shapes = project_triangle(p, n, corners)
@@ -100,7 +101,9 @@ def test_shapes_hold_every_projected_corner_once_and_run_along_scene_edges(kind,
     if kind in ("any", "narrow", "thin"):
         assert len(placed) in (3, 5, 7, 9) and 1 <= len(shapes) <= 4
     for shape in shapes:
-        assert 2 <= len(shape) <= 9 and np.isfinite(shape.u).all() and np.isfinite(shape.v).all()
+        # Rays parallel to one plane add where a shape passes through infinity.
+        assert len(shape) >= 2 and np.isfinite(shape.t).sum() <= 9
+        assert np.isfinite(shape.u).all() and np.isfinite(shape.v).all()
         assert shape.weights.sum(axis=1) == pytest.approx(np.ones(len(shape)))
         assert (shape.valid <= np.isfinite(shape.t)).all()
         off = (point_of(p, n, shape) - shape.weights @ corners)[shape.valid]

@@ -29,7 +29,7 @@ SPARE = 1.15
 """How much wider and higher than needed the textures are made: a moving eye does not bring new ones every frame."""
 
 LARGEST = 8192
-"""Texels along a side of the textures, which then take 2 GiB."""
+"""Texels along a side of the textures, whatever the device could do."""
 
 LEVELS = 5
 """Of mipmaps. Rectangles begin at multiples of the coarsest texel, so that no texel belongs to two."""

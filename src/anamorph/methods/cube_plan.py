@@ -11,7 +11,7 @@ import numpy as np
 
 from anamorph.methods.bodies import Sight
 from anamorph.methods.bundle import areas_of, crossings, find_hits, part_of, past_frame, pixel_weights, size_of
-from anamorph.methods.warp import CLEARANCE, MOST_TEXELS, MapPlan, PlanOptions
+from anamorph.methods.warp import CLEARANCE, TEXELS_A_PIXEL, MapPlan, PlanOptions
 from anamorph.methods.world import World
 from anamorph.optics.viewpoint import virtual_viewpoint
 from anamorph.projection import Projection, pinhole_projection
@@ -207,5 +207,5 @@ def _density(rays: RayMesh, lookups: np.ndarray, facing: np.ndarray, extents: np
     order = np.argsort(density)
     covered = np.cumsum(pixels[order])
     room = float(extents.prod(axis=1).sum())
-    texels = min(density[order][np.searchsorted(covered, 0.9 * covered[-1])], MOST_TEXELS * covered[-1] / room)
+    texels = min(density[order][np.searchsorted(covered, 0.9 * covered[-1])], TEXELS_A_PIXEL * covered[-1] / room)
     return float(np.sqrt(texels)), float(shares.sum() / room)

@@ -207,7 +207,7 @@ class Pictures:
             if plan is not None:
                 yield faces, plan
                 return
-        if sight.side.closed:
+        if sight.side.closed and self._options.plan.cast:
             own = tuple(mesh + 1 for mesh in sight.side.meshes)
             patches = [part for patch in patches for part in part_where_hidden(sight.rays, patch, self._world, own)]
         for patch in patches:

@@ -36,7 +36,7 @@ EDGE_MARGIN = 1.0
 CLEARANCE = 1e-4
 """Between the near plane and the vertices, in sizes of the patch."""
 
-MOST_TEXELS = 6.0
+TEXELS_A_PIXEL = 6.0
 """Of a map for each pixel that shows it: what is seen most aslant must do with less."""
 
 ROUND = 1.02
@@ -156,7 +156,7 @@ def plan_map(sight: Sight, faces: np.ndarray, hider: np.ndarray, world: World, o
         # What lies on the mirror stands for what is found to hide its vertices.
         covered = sight.side.covered[vertices]
         top = (rays.origins @ normal + covered)[covered > 0.0].max(initial=-np.inf)
-    from_inside = sight.side.closed and frame.convergence > 0.0
+    from_inside = sight.side.closed and frame.convergence > 0.0 and options.cast
     if from_inside and world.sees(viewpoint[:3] / viewpoint[3], rays.origins[facing], own):
         # Nothing is behind the surface of a closed body: the map sees all from its viewpoint on.
         normal = frame.axes[2]
@@ -346,6 +346,6 @@ def _texels(
     density = pixels / np.maximum(shares, 1e-12)
     order = np.argsort(density)
     covered = np.cumsum(pixels[order])
-    texels = min(density[order][np.searchsorted(covered, 0.9 * covered[-1])], MOST_TEXELS * covered[-1])
+    texels = min(density[order][np.searchsorted(covered, 0.9 * covered[-1])], TEXELS_A_PIXEL * covered[-1])
     aspect = np.clip(extent[0] / extent[1], 0.1, 10.0)
     return (float(np.sqrt(texels * aspect)), float(np.sqrt(texels / aspect))), float(shares.sum())

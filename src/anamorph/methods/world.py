@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from itertools import pairwise
+from itertools import product
 
 import numpy as np
 
@@ -134,14 +134,20 @@ class World:
 
 def world_of(geometry: Geometry, caster: Caster | None = None) -> World:
     """The world of a scene's geometry, with a tree of its own or with the `caster` over it."""
-    first = geometry.first_vertex
-    boxes = [_box(geometry.positions[start:stop]) for start, stop in pairwise(first)]
-    corners = _box(geometry.positions)
+    counts = np.diff(geometry.first_vertex)
+    lows, highs = np.zeros((2, len(counts), 3))
+    if counts.any():
+        starts = geometry.first_vertex[:-1][counts > 0]
+        lows[counts > 0] = np.minimum.reduceat(geometry.positions, starts)
+        highs[counts > 0] = np.maximum.reduceat(geometry.positions, starts)
+    mesh_corners = _corners(lows, highs)
+    whole = mesh_corners[counts > 0].reshape(-1, 3)
+    corners = _corners(whole.min(axis=0), whole.max(axis=0))
     diagonal = float(np.linalg.norm(np.ptp(corners, axis=0)))
-    return World(caster or Caster(geometry), geometry.face_object, corners, np.stack(boxes), diagonal)
+    return World(caster or Caster(geometry), geometry.face_object, corners, mesh_corners, diagonal)
 
 
-def _box(positions: np.ndarray) -> np.ndarray:
-    """The corners, (8, 3) float64, of the box around points."""
-    low, high = (positions.min(axis=0), positions.max(axis=0)) if len(positions) else np.zeros((2, 3))
-    return np.stack(np.meshgrid(*np.stack([low, high], axis=1)), axis=-1).reshape(-1, 3).astype(float)
+def _corners(low: np.ndarray, high: np.ndarray) -> np.ndarray:
+    """The corners, (..., 8, 3) float64, of boxes from `low` to `high`, (..., 3)."""
+    upper = np.array(list(product((0.0, 1.0), repeat=3)))
+    return low[..., None, :] * (1.0 - upper) + high[..., None, :] * upper

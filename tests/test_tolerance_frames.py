@@ -10,10 +10,7 @@ from anamorph.scene.builtin import make, names
 
 SIZE = (320, 240)
 
-SCENES = [
-    pytest.param(name, marks=pytest.mark.xfail(reason="holds for 99.78% of it", strict=True) if name == "torus" else ())
-    for name in names()
-]
+SCENES = [name for name in names()]
 
 
 @pytest.mark.parametrize("name", SCENES)

@@ -6,6 +6,11 @@ const MOST_PROBES = 24.0;
 // How close to the crossing of its rays a map is asked.
 const NEAREST_CROSSING = 0.1;
 const UNKNOWN = 1e6;
+// A picture folds where a pixel turns the ray in one direction by less than so many pixels of the eye, and by less than
+// such a share of what it does in the other. FOLDS is 1 where that counts as a doubt: where doubts are traced.
+override FOLDS: i32 = 0;
+const FOLD = 0.45;
+const NARROW = 0.03;
 
 // Whether a map sees something nearer on the straight line, in the map, between two points in clip space.
 fn hidden_between(view: i32, first: vec4f, last: vec4f) -> bool {
@@ -70,7 +75,11 @@ fn error_in_pixels(ray: Ray, right_of: Ray, below: Ray, found: Lookup, valid: bo
         normal_equations.z * sides.x - normal_equations.y * sides.y,
         normal_equations.x * sides.y - normal_equations.y * sides.x
     ) / determinant;
-    let known = valid && dot(toward, ray.direction) > 0.0 && !is_front(found.point) && !hidden_on_the_way(ray, found);
+    // Where the picture folds, a pixel turns the ray by next to nothing, and its least error is many pixels.
+    let turning = normal_equations.x + normal_equations.z;
+    let least = FOLD * projection.base.w;
+    let folds = determinant < turning * min(least * least, NARROW * NARROW * turning);
+    let known = valid && !(FOLDS == 1 && folds) && dot(toward, ray.direction) > 0.0 && !is_front(found.point) && !hidden_on_the_way(ray, found);
     return select(UNKNOWN, length(step), known);
 }
 

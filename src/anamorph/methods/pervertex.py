@@ -38,7 +38,7 @@ MAXIMUM_BOUNCES = 8
 MAXIMUM_REFINEMENTS = 16
 REFINEMENTS_BEFORE_TRACING = 3
 
-RAY_SHARE = 0.25
+RAY_SHARE = 0.1
 """The share of the tolerance that a fragment's own ray may take up."""
 
 ERROR_FORMAT = "r32float"
@@ -160,7 +160,7 @@ class PerVertexDrawing:
                 samples=options.antialias if output in PICTURED else 1,
                 cull="back",
                 depth_compare="equal" if output == "error" else "greater",
-                constants={**constants, "SIDES": sides, "CUBE": int(cube)},
+                constants={**constants, "SIDES": sides, "CUBE": int(cube), "FOLDS": int(output == "error")},
             )
 
         self._pipeline = pipeline

@@ -44,10 +44,13 @@ WORTH_CUTTING = 0.75
 BENT = 0.1
 """A polygon is parted where the bound on some edge's bend is more than this share of its box's extent."""
 
-FLOAT32 = 2.0**-24
+ROUNDING = 8.0 * 2.0**-24
+"""What float32 may lose of a quadratic's value, as a share of its terms: eight roundings."""
 
-TERMS = 18
-"""Numbers a pair: the quadratics of its second and third corner's weight, N, and N t."""
+TERMS = 24
+"""Numbers a pair: the quadratics of its three corners' weights, times N; N; and N (t - near)."""
+
+ACROSS, AHEAD = 18, 21
 
 ALL, FRONTS, NONE = range(3)
 """What a ray triangle sees of its own group of scene triangles."""
@@ -79,9 +82,9 @@ class Room(NamedTuple):
     """Arrays to be filled, for one thread."""
 
     terms: np.ndarray
-    """(P, 18) float64"""
+    """(P, 24) float64"""
     pair: np.ndarray
-    """(P, 2) int32: ray triangle (its place in `Beams`) and scene triangle."""
+    """(P, 3) int32: ray triangle (its place in `Beams`), scene triangle, and 1 where it is seen from its front."""
     place: np.ndarray
     """(T, 3, 2) float32: triangles of the picture, pixels."""
     owner: np.ndarray
@@ -101,7 +104,7 @@ class Room(NamedTuple):
 def make_room(pairs: int, pieces: int) -> Room:
     """Arrays for so many pairs and pieces."""
     return Room(
-        np.empty((pairs, TERMS)), np.empty((pairs, 2), np.int32),
+        np.empty((pairs, TERMS)), np.empty((pairs, 3), np.int32),
         np.empty((pieces, 3, 2), np.float32), np.empty(pieces, np.int32),
         np.empty((DEEPEST + 2, ROOM, 2)), np.empty(DEEPEST + 2, np.int64), np.empty(DEEPEST + 2, np.int64),
         np.empty((ROOM, 2)), np.empty(64, np.int64),
@@ -145,38 +148,18 @@ def _quadratic(terms: np.ndarray, first: int, x: float, y: float) -> tuple[float
 
 
 @inlined
-def _side(terms: np.ndarray, corner: int, x: float, y: float) -> tuple[float, float, float]:
-    """Value and gradient of the side opposite to a corner, positive inside."""
-    if corner > 0:
-        return _quadratic(terms, 6 * (corner - 1), x, y)
-    b, bx, by = _quadratic(terms, 0, x, y)
-    c, cx, cy = _quadratic(terms, 6, x, y)
-    return (
-        terms[12] * x + terms[13] * y + terms[14] - b - c,
-        terms[12] - bx - cx,
-        terms[13] - by - cy,
-    )
-
-
-@inlined
-def _bend(terms: np.ndarray, corner: int, x: float, y: float) -> float:
-    """How far a side rises above its tangent at most, within (x, y) of where that touches."""
-    if corner > 0:
-        first = 6 * (corner - 1)
-        xx, xy, yy = terms[first], terms[first + 1], terms[first + 2]
-    else:
-        xx, xy, yy = -terms[0] - terms[6], -terms[1] - terms[7], -terms[2] - terms[8]
-    return max(xx, 0.0) * x * x + abs(xy) * x * y + max(yy, 0.0) * y * y
+def _bend(terms: np.ndarray, first: int, x: float, y: float) -> float:
+    """How far a quadratic rises above its tangent at most, within (x, y) of where that touches."""
+    return max(terms[first], 0.0) * x * x + abs(terms[first + 1]) * x * y + max(terms[first + 2], 0.0) * y * y
 
 
 @inlined
 def _widen(terms: np.ndarray, x: float, y: float) -> None:
     """Let each side be inside by what float32 may lose within (x, y) of the center, so that no pixel falls between."""
-    for first in (0, 6):
+    for first in (0, 6, 12):
         size = abs(terms[first]) * x * x + abs(terms[first + 1]) * x * y + abs(terms[first + 2]) * y * y
         size += abs(terms[first + 3]) * x + abs(terms[first + 4]) * y + abs(terms[first + 5])
-        terms[first + 5] += 8.0 * FLOAT32 * size
-        terms[14] += 16.0 * FLOAT32 * size
+        terms[first + 5] += ROUNDING * size
 
 
 @inlined
@@ -187,8 +170,8 @@ def _fit(terms: np.ndarray, polygon: np.ndarray, count: int, spare: np.ndarray) 
         x, y, half_x, half_y = box(polygon, count)
         worst = 0.0
         for corner in range(3):
-            value, slope_x, slope_y = _side(terms, corner, x, y)
-            bend = _bend(terms, corner, half_x, half_y)
+            value, slope_x, slope_y = _quadratic(terms, 6 * corner, x, y)
+            bend = _bend(terms, 6 * corner, half_x, half_y)
             if value + abs(slope_x) * half_x + abs(slope_y) * half_y + bend < 0.0:
                 return 0, False
             steepness = np.sqrt(slope_x * slope_x + slope_y * slope_y)
@@ -230,12 +213,9 @@ def _pieces(beams: Beams, k: int, room: Room, pair: int, pieces: int) -> int:
     count = beams.corners[k]
     x, y, half_x, half_y = box(first, count)
     _widen(terms, abs(x) + half_x, abs(y) + half_y)
-    steepness = np.sqrt(terms[12] ** 2 + terms[13] ** 2)
-    count = cut(first, count, room.spare, terms[12], terms[13], terms[14] + PADDING * steepness)
-    ahead_x, ahead_y = terms[15] - beams.near[k] * terms[12], terms[16] - beams.near[k] * terms[13]
-    steepness = np.sqrt(ahead_x**2 + ahead_y**2)
-    ahead = terms[17] - beams.near[k] * terms[14]
-    count = cut(first, count, room.spare, ahead_x, ahead_y, ahead + PADDING * steepness)
+    for side in (ACROSS, AHEAD):
+        a, b = terms[side], terms[side + 1]
+        count = cut(first, count, room.spare, a, b, terms[side + 2] + PADDING * np.sqrt(a * a + b * b))
     if count == 0:
         return pieces
     room.counts[0], room.depths[0] = count, 0
@@ -306,11 +286,14 @@ def _meet(
         if not seen or (side == 0 and sees == FRONTS):
             continue
         terms = room.terms[pairs]
-        _edge(beams, k, c, a, sign, terms, 0)
-        _edge(beams, k, a, b, sign, terms, 6)
-        terms[12], terms[13], terms[14] = sign * across0, sign * across1, sign * across2
-        terms[15], terms[16], terms[17] = sign * ahead0, sign * ahead1, sign * ahead2
-        room.pair[pairs, 0], room.pair[pairs, 1] = k, face
+        _edge(beams, k, b, c, sign, terms, 0)
+        _edge(beams, k, c, a, sign, terms, 6)
+        _edge(beams, k, a, b, sign, terms, 12)
+        terms[ACROSS], terms[ACROSS + 1], terms[ACROSS + 2] = sign * across0, sign * across1, sign * across2
+        terms[AHEAD], terms[AHEAD + 1], terms[AHEAD + 2] = sign * ahead0, sign * ahead1, sign * ahead2
+        for term in range(3):
+            terms[AHEAD + term] -= beams.near[k] * terms[ACROSS + term]
+        room.pair[pairs, 0], room.pair[pairs, 1], room.pair[pairs, 2] = k, face, side
         after = _pieces(beams, k, room, pairs, pieces)
         if after < 0:
             return -1, pieces

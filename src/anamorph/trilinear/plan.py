@@ -21,12 +21,12 @@ class Plan:
 
     Parameters
     ----------
-    pair : (P, 2) int32
-        The ray triangle, by its place in the `Beams`, and the scene triangle.
-    terms : (P, 18) float64
-        In places relative to the ray triangle's center: six terms (x x, x y, y y, x, y, 1) of the quadratic whose share
-        of N is the weight of the scene triangle's second corner, six of the third corner's, three (x, y, 1) of N and
-        three of N t. Inside, both quadratics, N less their sum, and N t are not negative.
+    pair : (P, 3) int32
+        The ray triangle, by its place in the `Beams`; the scene triangle; and 1 where that is seen from its front.
+    terms : (P, 24) float64
+        In places relative to the ray triangle's center: six terms (x x, x y, y y, x, y, 1) each of the quadratics whose
+        shares of N are the weights of the scene triangle's corners; three (x, y, 1) of N, and of N (t - near). Inside,
+        none of these is negative.
     place : (T, 3, 2) float32
         Triangles of the picture, in pixels from the ray triangle's center, which together hold all that is inside.
     owner : (T,) int32

@@ -17,7 +17,7 @@ import numpy as np
 import wgpu
 
 from anamorph.frame import View
-from anamorph.gpu.drawing import draw_mesh, make_pipeline, shader_module
+from anamorph.gpu.drawing import make_pipeline, shader_module
 from anamorph.gpu.targets import COLOR_FORMAT, SEEN_FORMATS, Target
 from anamorph.methods.protocol import Method, Session
 from anamorph.methods.session import DrawingSession, Stage
@@ -53,17 +53,15 @@ class TrilinearDrawing:
         bends = np.array([False, *stage.buffers.bends])
         self._fronts = bends[geometry.face_object]
         module = shader_module("gpu/vertices.wgsl", "methods/visibility.wgsl", "methods/trilinear.wgsl")
-        vertex, kind = ("sky_vertex", "ray_mesh") if self._bare else ("scene_vertex", "reflected")
-        settings = {"buffers": ()} if self._bare else {"cull": "back"}
+        kind = "bare" if self._bare else "surface"
 
-        def pipeline(output: str, formats: tuple[str, ...]) -> wgpu.GPURenderPipeline:
-            return make_pipeline(
-                module, vertex, f"{kind}_{output}", formats,
-                groups=(data_layout(), seen_layout()),
-                depth_compare="greater-equal" if self._bare else "greater", **settings,
-            )  # fmt: skip
+        def pipeline(vertex: str, fragment: str, formats: tuple[str, ...], cull: str) -> wgpu.GPURenderPipeline:
+            groups = data_layout(), seen_layout()
+            return make_pipeline(module, vertex, fragment, formats, buffers=(), groups=groups, cull=cull)
 
-        self._color, self._seen = pipeline("color", (COLOR_FORMAT,)), pipeline("seen", SEEN_FORMATS)
+        cull = "none" if self._bare else "back"
+        self._color = pipeline(f"{kind}_ray_vertex", f"{kind}_color", (COLOR_FORMAT,), cull)
+        self._seen = pipeline(f"{kind}_ray_vertex", f"{kind}_seen", SEEN_FORMATS, cull)
 
     def deformed(self, geometry: Geometry) -> None:
         """Refit the tree."""
@@ -96,7 +94,7 @@ class TrilinearDrawing:
         triangles = np.zeros(len(picture), RAY_TRIANGLE)
         for corner in range(3):
             triangles[f"corner_{corner}"] = picture[:, corner]
-        triangles["valid"], triangles["face"] = 1, np.maximum(own_face, 0)
+        triangles["valid"], triangles["object"], triangles["face"] = 1, objects, np.maximum(own_face, 0)
         self._visibility.write(triangles, beams, plan, self._fronts)
         self._visibility.draw(encoder, self._stage.projection)
 
@@ -117,12 +115,7 @@ class TrilinearDrawing:
     def _draw(self, render_pass: wgpu.GPURenderPassEncoder, pipeline: wgpu.GPURenderPipeline) -> None:
         render_pass.set_pipeline(pipeline)
         self._visibility.bind(render_pass)
-        render_pass.set_bind_group(3, self._visibility.group)
-        if self._bare:
-            render_pass.draw(3)
-            return
-        for index in self.replaced:
-            draw_mesh(render_pass, self._stage.buffers, index)
+        render_pass.draw(3 * self._visibility.count)
 
     def figures(self) -> dict[str, float]:
         """Nothing but what the frame shows."""

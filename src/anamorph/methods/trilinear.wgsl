@@ -3,6 +3,46 @@
 // The scene triangle that each pixel sees, from 1, and whether it is the front of a specular surface; 0 for the sky.
 @group(3) @binding(1) var triangles_seen: texture_2d<u32>;
 
+struct RayFragment {
+    @builtin(position) @invariant pixel: vec4f,
+    // Of the ray triangle, as functions of the place; last come the scale's three terms, the center, and two numbers.
+    @location(0) @interpolate(flat) direction_x: vec4f,
+    @location(1) @interpolate(flat) direction_y: vec4f,
+    @location(2) @interpolate(flat) direction_one: vec4f,
+    @location(3) @interpolate(flat) origin_x: vec4f,
+    @location(4) @interpolate(flat) origin_y: vec4f,
+    @location(5) @interpolate(flat) origin_one: vec3f,
+    @location(6) @interpolate(flat) anchor: vec3f,
+    // Object number, and 1 where there are rays.
+    @location(7) @interpolate(flat) object: vec2u,
+}
+
+fn ray_fragment(clip: vec4f, triangle: RayTriangle) -> RayFragment {
+    return RayFragment(
+        clip,
+        vec4f(triangle.direction_x, triangle.scale_x),
+        vec4f(triangle.direction_y, triangle.scale_y),
+        vec4f(triangle.direction_one, triangle.scale_one),
+        vec4f(triangle.origin_x, triangle.center_x),
+        vec4f(triangle.origin_y, triangle.center_y),
+        triangle.origin_one,
+        triangle.anchor,
+        vec2u(triangle.object, triangle.valid),
+    );
+}
+
+@vertex
+fn surface_ray_vertex(@builtin(vertex_index) index: u32) -> RayFragment {
+    let triangle = ray_triangles[index / 3u];
+    return ray_fragment(surface_clip(triangle, index % 3u), triangle);
+}
+
+@vertex
+fn bare_ray_vertex(@builtin(vertex_index) index: u32) -> RayFragment {
+    let triangle = ray_triangles[index / 3u];
+    return ray_fragment(bare_clip(triangle, index % 3u), triangle);
+}
+
 struct Ray {
     origin: vec3f,
     direction: vec3f,
@@ -10,8 +50,7 @@ struct Ray {
 
 // What a pixel's ray is and what it meets; the rays of the pixels to the right and below tell its footprint.
 struct Sighting {
-    // From 1; 0 where there is no ray.
-    ray_triangle: u32,
+    exists: bool,
     // From 1; 0 for the sky.
     triangle: u32,
     specular: bool,
@@ -20,27 +59,24 @@ struct Sighting {
     down: Ray,
 }
 
-fn ray_at(triangle: RayTriangle, place: vec2f) -> Ray {
-    let direction = triangle.direction_x * place.x + triangle.direction_y * place.y + triangle.direction_one;
-    let origin = triangle.origin_x * place.x + triangle.origin_y * place.y + triangle.origin_one;
-    let scale = triangle.scale_x * place.x + triangle.scale_y * place.y + triangle.scale_one;
+fn ray_at(fragment: RayFragment, place: vec2f) -> Ray {
+    let direction = fragment.direction_x * place.x + fragment.direction_y * place.y + fragment.direction_one;
+    let origin = fragment.origin_x.xyz * place.x + fragment.origin_y.xyz * place.y + fragment.origin_one;
     // A direction of no length is a ray nowhere.
-    return Ray(triangle.anchor + origin / scale, direction * inverseSqrt(max(dot(direction, direction), 1e-30)));
+    let length = inverseSqrt(max(dot(direction.xyz, direction.xyz), 1e-30));
+    return Ray(fragment.anchor + origin / direction.w, direction.xyz * length);
 }
 
-fn sighting_at(pixel: vec4f) -> Sighting {
-    let texel = vec2u(pixel.xy);
-    let owner = textureLoad(owners, texel, 0).x;
-    let triangle = ray_triangles[max(owner, 1u) - 1u];
-    let seen = textureLoad(triangles_seen, texel, 0).x;
-    let place = pixel.xy - vec2f(triangle.center_x, triangle.center_y);
+fn sighting_at(fragment: RayFragment) -> Sighting {
+    let seen = textureLoad(triangles_seen, vec2u(fragment.pixel.xy), 0).x;
+    let place = fragment.pixel.xy - vec2f(fragment.origin_x.w, fragment.origin_y.w);
     return Sighting(
-        owner,
+        fragment.object.y == 1u,
         seen & ~SPECULAR,
         (seen & SPECULAR) != 0u,
-        ray_at(triangle, place),
-        ray_at(triangle, place + vec2f(1.0, 0.0)),
-        ray_at(triangle, place + vec2f(0.0, 1.0)),
+        ray_at(fragment, place),
+        ray_at(fragment, place + vec2f(1.0, 0.0)),
+        ray_at(fragment, place + vec2f(0.0, 1.0)),
     );
 }
 
@@ -109,7 +145,7 @@ fn sighted_color(sighting: Sighting) -> vec3f {
 }
 
 fn sighted(sighting: Sighting, specular: u32) -> Seen {
-    if sighting.ray_triangle == 0u {
+    if !sighting.exists {
         return Seen(vec4f(0.0), seen_flags(specular, STATUS_OUTSIDE), 0.0);
     }
     if sighting.triangle == 0u {
@@ -121,25 +157,36 @@ fn sighted(sighting: Sighting, specular: u32) -> Seen {
 }
 
 @fragment
-fn reflected_color(fragment: SceneFragment) -> @location(0) vec4f {
-    let sighting = sighting_at(fragment.pixel);
+fn surface_color(fragment: RayFragment) -> @location(0) vec4f {
+    let sighting = sighting_at(fragment);
     let incident = normalize(viewing_direction(fragment.pixel.xy));
     let turned = 0.5 * length(sighting.ray.direction - incident);
-    return vec4f(mirror_reflectance(fragment.object, turned) * sighted_color(sighting), 1.0);
+    return vec4f(mirror_reflectance(fragment.object.x, turned) * sighted_color(sighting), 1.0);
 }
 
 @fragment
-fn reflected_seen(fragment: SceneFragment) -> Seen {
-    return sighted(sighting_at(fragment.pixel), fragment.object);
+fn surface_seen(fragment: RayFragment) -> Seen {
+    return sighted(sighting_at(fragment), fragment.object.x);
 }
 
 @fragment
-fn ray_mesh_color(@builtin(position) pixel: vec4f) -> @location(0) vec4f {
-    let sighting = sighting_at(pixel);
-    return vec4f(select(sighted_color(sighting), vec3f(0.0), sighting.ray_triangle == 0u), 1.0);
+fn bare_color(fragment: RayFragment) -> @location(0) vec4f {
+    let sighting = sighting_at(fragment);
+    return vec4f(select(vec3f(0.0), sighted_color(sighting), sighting.exists), 1.0);
 }
 
 @fragment
-fn ray_mesh_seen(@builtin(position) pixel: vec4f) -> Seen {
-    return sighted(sighting_at(pixel), 0u);
+fn bare_seen(fragment: RayFragment) -> Seen {
+    return sighted(sighting_at(fragment), 0u);
+}
+
+// Where a bare ray mesh leaves the picture empty.
+@fragment
+fn outside_color() -> @location(0) vec4f {
+    return vec4f(0.0, 0.0, 0.0, 1.0);
+}
+
+@fragment
+fn outside_seen() -> Seen {
+    return Seen(vec4f(0.0), seen_flags(0u, STATUS_OUTSIDE), 0.0);
 }

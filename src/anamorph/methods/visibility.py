@@ -42,7 +42,7 @@ RAY_TRIANGLE = np.dtype(
         ("direction_y", "f4", 3), ("scale_x", "f4"),
         ("direction_one", "f4", 3), ("scale_y", "f4"),
         ("origin_x", "f4", 3), ("scale_one", "f4"),
-        ("origin_y", "f4", 3), ("padding_0", "u4"),
+        ("origin_y", "f4", 3), ("object", "u4"),
         ("origin_one", "f4", 3), ("padding_1", "u4"),
         ("anchor", "f4", 3), ("padding_2", "u4"),
     ]
@@ -92,14 +92,14 @@ class Visibility:
         self._seen = make_target(size, (NUMBER_FORMAT,), depth=self._owners.depth)
         owners, seen = self._owners.textures[0].create_view(), self._seen.textures[0].create_view()
         self._owners_group = bind(owners_layout(), [owners])
-        self.group = bind(seen_layout(), [owners, seen])
+        self._group = bind(seen_layout(), [owners, seen])
         self._rooms: list[wgpu.GPUBuffer | None] = [None, None, None]
         self._data: wgpu.GPUBindGroup | None = None
         self._pieces, self._count = 0, 0
         module = shader_module("gpu/vertices.wgsl", "methods/visibility.wgsl")
         self._owner = make_pipeline(
             module,
-            "picture_owner_vertex" if bare else "surface_owner_vertex",
+            "bare_owner_vertex" if bare else "surface_owner_vertex",
             "owner",
             (NUMBER_FORMAT,),
             buffers=(),
@@ -156,7 +156,7 @@ class Visibility:
         ):
             render_pass = begin_pass(encoder, target)
             bind_scene(render_pass, self._buffers, projection)
-            self.bind(render_pass)
+            render_pass.set_bind_group(2, self._data)
             if group is not None:
                 render_pass.set_bind_group(3, group)
             render_pass.set_pipeline(pipeline)
@@ -164,5 +164,11 @@ class Visibility:
             render_pass.end()
 
     def bind(self, render_pass: wgpu.GPURenderPassEncoder) -> None:
-        """Bind group 2."""
+        """Bind groups 2 and 3, to draw all ray triangles with."""
         render_pass.set_bind_group(2, self._data)
+        render_pass.set_bind_group(3, self._group)
+
+    @property
+    def count(self) -> int:
+        """How many ray triangles there are."""
+        return self._count

@@ -15,8 +15,11 @@ SHORTEST = 1e-12
 
 
 def pixel_rays(
-    mesh: RayMesh, size: tuple[int, int], shift: tuple[float, float] = (0.0, 0.0)
-) -> tuple[np.ndarray, np.ndarray]:
+    mesh: RayMesh,
+    size: tuple[int, int],
+    shift: tuple[float, float] = (0.0, 0.0),
+    room: np.ndarray | None = None,
+) -> np.ndarray:
     """Each pixel's ray, interpolated in the ray triangle that covers its centre.
 
     A centre on the border of a triangle is covered, so that between triangles that share an edge none is left out; of
@@ -29,10 +32,12 @@ def pixel_rays(
         Of the picture, pixels.
     shift : (right, down)
         Moves the rays from the pixels' centres, in pixels.
+    room : (2, width height, 3) float64, optional
+        To be filled again, instead of a new array.
 
     Returns
     -------
-    origins, directions : (width height, 3) float64
+    origins and directions : (2, width height, 3) float64
         Row by row. Weights are linear in the mesh's homogeneous picture and sum to 1; directions are interpolated as
         they are, and not normalised. Both are zero where there is no ray.
     """
@@ -41,13 +46,13 @@ def pixel_rays(
     picture, starts, ways = (np.asarray(each, float) for each in (mesh.picture, mesh.origins, mesh.directions))
     boxes = _boxes(picture[faces], size, shift)
     shortest = SHORTEST**2 * np.einsum("fki,fki->fk", ways[faces], ways[faces]).max(axis=1)
-    origins, directions = np.empty((2, width * height, 3))
+    rays = np.empty((2, width * height, 3)) if room is None else room
 
     def work(first: int, stop: int) -> None:
-        _interpolate(faces, boxes, shortest, picture, starts, ways, *shift, width, first, stop, origins, directions)
+        _interpolate(faces, boxes, shortest, picture, starts, ways, *shift, width, first, stop, *rays)
 
     over_all_cores(work, height, max(GRAIN // width, -(-height // (4 * cores())), 1))
-    return origins, directions
+    return rays
 
 
 def _boxes(corners: np.ndarray, size: tuple[int, int], shift: tuple[float, float]) -> np.ndarray:

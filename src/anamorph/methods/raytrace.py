@@ -17,7 +17,7 @@ from anamorph.errors import AnamorphError
 from anamorph.frame import View
 from anamorph.gpu.targets import Target
 from anamorph.methods.bounces import WORDS
-from anamorph.methods.paths import NO_RAYS, PathTracer, Rectangle, specular_rectangle
+from anamorph.methods.paths import PathTracer, Rectangle, specular_rectangle
 from anamorph.methods.pixel_rays import pixel_rays
 from anamorph.methods.protocol import Method, Session
 from anamorph.methods.session import DrawingSession, Stage
@@ -67,7 +67,8 @@ class TracedDrawing:
         self._bands: list[Tiles] = []
         self._used = 0
         self._looked: tuple[Camera | RayMesh, tuple[float, float]] | None = None
-        self._first: tuple[np.ndarray, np.ndarray] = (NO_RAYS, NO_RAYS)
+        self._first: np.ndarray | None = None
+        self._room: np.ndarray | None = None
         self._records: tuple[Rectangle, np.ndarray] | None = None
 
     def deformed(self, geometry: Geometry) -> None:
@@ -94,22 +95,22 @@ class TracedDrawing:
         def colors(corner: np.ndarray, tile: tuple[int, int], rows: slice, part: np.ndarray) -> np.ndarray:
             return self._tracer.trace_colors(camera, size, corner, tile, shift, part)
 
-        self._write(rectangle, self._tracer.trace(camera, size, rectangle, shift), colors)
+        self._write(rectangle, self._tracer.trace(camera, size, rectangle, shift, self._room), colors)
 
     def _trace_mesh(self, mesh: RayMesh, shift: tuple[float, float], stays: bool) -> None:
         size = self._stage.view.size
-        if not stays:
-            self._first = pixel_rays(mesh, size, shift)
+        if self._first is None or not stays:
+            self._first = pixel_rays(mesh, size, shift, self._first)
         origins, directions = self._first
 
         def colors(corner: np.ndarray, tile: tuple[int, int], rows: slice, part: np.ndarray) -> np.ndarray:
             return self._tracer.trace_ray_colors(origins[rows], directions[rows], part)
 
-        self._write((0, 0, *size), self._tracer.trace_rays(origins, directions), colors)
+        self._write((0, 0, *size), self._tracer.trace_rays(origins, directions, self._room), colors)
 
     def _write(self, rectangle: Rectangle, records: np.ndarray, colors: Colors) -> None:
         """Upload the records of a rectangle, in bands of as many rows as a buffer holds."""
-        self._records = (rectangle, records)
+        self._records, self._room = (rectangle, records), records
         x0, y0, x1, y1 = rectangle
         width = x1 - x0
         rows = tiles_at_once(width)

@@ -138,4 +138,5 @@ METHOD = Method(
     source="Vallance 2005",
     options=Options,
     open=open_session,
+    ray_meshes=True,
 )

@@ -179,14 +179,3 @@ fn bare_color(fragment: RayFragment) -> @location(0) vec4f {
 fn bare_seen(fragment: RayFragment) -> Seen {
     return sighted(sighting_at(fragment), 0u);
 }
-
-// Where a bare ray mesh leaves the picture empty.
-@fragment
-fn outside_color() -> @location(0) vec4f {
-    return vec4f(0.0, 0.0, 0.0, 1.0);
-}
-
-@fragment
-fn outside_seen() -> Seen {
-    return Seen(vec4f(0.0), seen_flags(0u, STATUS_OUTSIDE), 0.0);
-}

@@ -2,10 +2,19 @@
 
 // The scene triangle that each pixel sees, from 1, and whether it is the front of a specular surface; 0 for the sky.
 @group(3) @binding(1) var triangles_seen: texture_2d<u32>;
+// What has been made of that; it is bound alone.
+@group(3) @binding(0) var colors: texture_2d<f32>;
+
+// 1 where some surfaces seen may be specular fronts, behind which the path goes on.
+override GOES_ON: bool = false;
+// 1 for a bare ray mesh, which takes nothing from the light.
+override BARE: bool = false;
+// 1 to draw all ray triangles at no depth. There the depth of what is seen decides: above it are surfaces, at it the sky.
+override LEVEL: bool = false;
 
 struct RayFragment {
     @builtin(position) @invariant pixel: vec4f,
-    // Of the ray triangle, as functions of the place; last come the scale's three terms, the center, and two numbers.
+    // Of the ray triangle, as functions of the place; behind them the scale's three terms, and the center.
     @location(0) @interpolate(flat) direction_x: vec4f,
     @location(1) @interpolate(flat) direction_y: vec4f,
     @location(2) @interpolate(flat) direction_one: vec4f,
@@ -13,13 +22,17 @@ struct RayFragment {
     @location(4) @interpolate(flat) origin_y: vec4f,
     @location(5) @interpolate(flat) origin_one: vec3f,
     @location(6) @interpolate(flat) anchor: vec3f,
-    // Object number, and 1 where there are rays.
-    @location(7) @interpolate(flat) object: vec2u,
+    @location(7) @interpolate(flat) incident_x: vec3f,
+    @location(8) @interpolate(flat) incident_y: vec3f,
+    @location(9) @interpolate(flat) incident_one: vec3f,
+    // The object number, and the ray triangle's own, from 1; 0 where it has no rays.
+    @location(10) @interpolate(flat) numbers: vec2u,
 }
 
-fn ray_fragment(clip: vec4f, triangle: RayTriangle) -> RayFragment {
+fn ray_fragment(clip: vec4f, number: u32) -> RayFragment {
+    let triangle = ray_triangles[number];
     return RayFragment(
-        clip,
+        vec4f(clip.xy, select(clip.z, 0.0, LEVEL), clip.w),
         vec4f(triangle.direction_x, triangle.scale_x),
         vec4f(triangle.direction_y, triangle.scale_y),
         vec4f(triangle.direction_one, triangle.scale_one),
@@ -27,20 +40,21 @@ fn ray_fragment(clip: vec4f, triangle: RayTriangle) -> RayFragment {
         vec4f(triangle.origin_y, triangle.center_y),
         triangle.origin_one,
         triangle.anchor,
-        vec2u(triangle.object, triangle.valid),
+        triangle.incident_x,
+        triangle.incident_y,
+        triangle.incident_one,
+        vec2u(triangle.object, (number + 1u) * triangle.valid),
     );
 }
 
 @vertex
 fn surface_ray_vertex(@builtin(vertex_index) index: u32) -> RayFragment {
-    let triangle = ray_triangles[index / 3u];
-    return ray_fragment(surface_clip(triangle, index % 3u), triangle);
+    return ray_fragment(surface_clip(ray_triangles[index / 3u], index % 3u), index / 3u);
 }
 
 @vertex
 fn bare_ray_vertex(@builtin(vertex_index) index: u32) -> RayFragment {
-    let triangle = ray_triangles[index / 3u];
-    return ray_fragment(bare_clip(triangle, index % 3u), triangle);
+    return ray_fragment(bare_clip(ray_triangles[index / 3u], index % 3u), index / 3u);
 }
 
 struct Ray {
@@ -50,7 +64,8 @@ struct Ray {
 
 // What a pixel's ray is and what it meets; the rays of the pixels to the right and below tell its footprint.
 struct Sighting {
-    exists: bool,
+    // Whether the pixel is this ray triangle's.
+    own: bool,
     // From 1; 0 for the sky.
     triangle: u32,
     specular: bool,
@@ -69,9 +84,10 @@ fn ray_at(fragment: RayFragment, place: vec2f) -> Ray {
 
 fn sighting_at(fragment: RayFragment) -> Sighting {
     let seen = textureLoad(triangles_seen, vec2u(fragment.pixel.xy), 0).x;
+    let owner = textureLoad(owners, vec2u(fragment.pixel.xy), 0).x;
     let place = fragment.pixel.xy - vec2f(fragment.origin_x.w, fragment.origin_y.w);
     return Sighting(
-        fragment.object.y == 1u,
+        owner == fragment.numbers.y && owner > 0u,
         seen & ~SPECULAR,
         (seen & SPECULAR) != 0u,
         ray_at(fragment, place),
@@ -136,16 +152,8 @@ fn point_seen(sighting: Sighting) -> SurfacePoint {
     return point;
 }
 
-// A path that meets a second specular surface goes on as if nothing followed.
-fn sighted_color(sighting: Sighting) -> vec3f {
-    if sighting.triangle == 0u || sighting.specular {
-        return sighted_sky(sighting);
-    }
-    return shade(point_seen(sighting), sighting.ray.direction);
-}
-
 fn sighted(sighting: Sighting, specular: u32) -> Seen {
-    if !sighting.exists {
+    if !sighting.own {
         return Seen(vec4f(0.0), seen_flags(specular, STATUS_OUTSIDE), 0.0);
     }
     if sighting.triangle == 0u {
@@ -156,26 +164,46 @@ fn sighted(sighting: Sighting, specular: u32) -> Seen {
     return Seen(vec4f(point.position, f32(point.object)), seen_flags(specular, status), 0.0);
 }
 
+// What of the light that is seen in a specular surface reaches the eye.
+fn reflectance(fragment: RayFragment, sighting: Sighting) -> vec3f {
+    if BARE {
+        return vec3f(1.0);
+    }
+    let place = fragment.pixel.xy - vec2f(fragment.origin_x.w, fragment.origin_y.w);
+    let incident = fragment.incident_x * place.x + fragment.incident_y * place.y + fragment.incident_one;
+    return mirror_reflectance(fragment.numbers.x, 0.5 * length(sighting.ray.direction - normalize(incident)));
+}
+
 @fragment
 fn surface_color(fragment: RayFragment) -> @location(0) vec4f {
     let sighting = sighting_at(fragment);
-    let incident = normalize(viewing_direction(fragment.pixel.xy));
-    let turned = 0.5 * length(sighting.ray.direction - incident);
-    return vec4f(mirror_reflectance(fragment.object.x, turned) * sighted_color(sighting), 1.0);
+    if !sighting.own {
+        discard;
+    }
+    var color = shade(point_seen(sighting), sighting.ray.direction);
+    if GOES_ON {
+        // As if nothing followed.
+        color = select(color, sighted_sky(sighting), sighting.specular);
+    }
+    return vec4f(reflectance(fragment, sighting) * color, 1.0);
+}
+
+@fragment
+fn surface_sky(fragment: RayFragment) -> @location(0) vec4f {
+    let sighting = sighting_at(fragment);
+    if !sighting.own {
+        discard;
+    }
+    return vec4f(reflectance(fragment, sighting) * sighted_sky(sighting), 1.0);
 }
 
 @fragment
 fn surface_seen(fragment: RayFragment) -> Seen {
-    return sighted(sighting_at(fragment), fragment.object.x);
+    return sighted(sighting_at(fragment), fragment.numbers.x);
 }
 
+// The colours, where they belong in the picture.
 @fragment
-fn bare_color(fragment: RayFragment) -> @location(0) vec4f {
-    let sighting = sighting_at(fragment);
-    return vec4f(select(vec3f(0.0), sighted_color(sighting), sighting.exists), 1.0);
-}
-
-@fragment
-fn bare_seen(fragment: RayFragment) -> Seen {
-    return sighted(sighting_at(fragment), 0u);
+fn composed_color(fragment: OwnerFragment) -> @location(0) vec4f {
+    return textureLoad(colors, vec2u(fragment.pixel.xy), 0);
 }

@@ -37,7 +37,7 @@ struct Piece {
     pair: u32,
 }
 
-// A ray triangle. Origin, direction, and the scale that origin and direction have in common, are linear in the place.
+// A ray triangle. Origin, direction, and the scale that these two have in common, are linear in the place.
 struct RayTriangle {
     // Its picture's homogeneous corners in pixels, for bare ray meshes.
     corner_0: vec3f,
@@ -51,19 +51,26 @@ struct RayTriangle {
     // The triangle of the scene's index buffer that it is, on a specular surface.
     face: u32,
     direction_y: vec3f,
-    scale_x: f32,
-    direction_one: vec3f,
-    scale_y: f32,
-    origin_x: vec3f,
-    scale_one: f32,
-    origin_y: vec3f,
     // The object number of that surface; 0 for a bare ray mesh.
     object: u32,
+    direction_one: vec3f,
+    scale_x: f32,
+    origin_x: vec3f,
+    scale_y: f32,
+    origin_y: vec3f,
+    scale_one: f32,
     origin_one: vec3f,
-    padding_1: u32,
+    padding_0: u32,
     // What origins are relative to.
     anchor: vec3f,
+    padding_1: u32,
+    // The direction of the light before the surface, seen from the eye; it may have any length.
+    incident_x: vec3f,
     padding_2: u32,
+    incident_y: vec3f,
+    padding_3: u32,
+    incident_one: vec3f,
+    padding_4: u32,
 }
 
 @group(2) @binding(0) var<storage, read> vertices: array<StoredVertex>;

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from anamorph.compiled import compiled, cores, over_all_cores
@@ -46,27 +48,29 @@ def pixel_rays(
     """
     width, height = size
     picture, starts, ways = (np.asarray(each, float) for each in (mesh.picture, mesh.origins, mesh.directions))
-    faces, thick = _thick_first(mesh)
+    # Before the eye, vertices are where their places say, so that those at one place are so for every pixel.
+    divisor = np.where(picture[:, 2] > 0.0, picture[:, 2], 1.0)
+    picture = picture / divisor[:, None]
+    faces, thick = _thick_first(picture, np.asarray(mesh.faces, np.int64))
     boxes = _boxes(picture[faces], size, shift)
     shortest = SHORTEST**2 * np.einsum("fki,fki->fk", ways[faces], ways[faces]).max(axis=1)
     rays = np.empty((2, width * height, 3)) if room is None else room
 
     def work(first: int, stop: int) -> None:
-        _interpolate(faces, thick, boxes, shortest, picture, starts, ways, *shift, width, first, stop, *rays)
+        _interpolate(faces, thick, boxes, shortest, picture, divisor, starts, ways, *shift, width, first, stop, *rays)
 
     over_all_cores(work, height, max(GRAIN // width, -(-height // (4 * cores())), 1))
     return rays
 
 
-def _thick_first(mesh: RayMesh) -> tuple[np.ndarray, int]:
-    """The faces (F, 3) int64 in their order, thin ones last and each with its longest edge first; how many are not."""
-    faces = np.asarray(mesh.faces, np.int64)
-    places = mesh.places()[faces]
+def _thick_first(picture: np.ndarray, faces: np.ndarray) -> tuple[np.ndarray, int]:
+    """The faces (F, 3) in their order, thin ones last and each with its longest edge first; how many are not thin."""
+    places = picture[faces, :2]
     edges = np.roll(places, -1, axis=1) - places
     lengths = np.linalg.norm(edges, axis=2)
     area = np.abs(edges[:, 0, 0] * edges[:, 1, 1] - edges[:, 0, 1] * edges[:, 1, 0])
     longest = lengths.argmax(axis=1)
-    thin = (area < THIN * lengths.max(axis=1)) & (np.asarray(mesh.picture)[faces, 2] > 0.0).all(axis=1)
+    thin = (area < THIN * lengths.max(axis=1)) & (picture[faces, 2] > 0.0).all(axis=1)
     turned = np.take_along_axis(faces, (longest[:, None] + np.arange(3)) % 3, axis=1)
     return np.concatenate([faces[~thin], turned[thin]]), int((~thin).sum())
 
@@ -92,6 +96,7 @@ def _interpolate(
     boxes: np.ndarray,
     shortest: np.ndarray,
     picture: np.ndarray,
+    divisor: np.ndarray,
     starts: np.ndarray,
     ways: np.ndarray,
     right: float,
@@ -125,11 +130,14 @@ def _interpolate(
                 if determinant == 0.0 or min(e_a, e_b, e_c) < 0.0:
                     continue
                 if face >= thick:
-                    # Where along the longest edge.
-                    x_ab, y_ab = x_b / w_b - x_a / w_a, y_b / w_b - y_a / w_a
-                    e_a = max((x_b * x_ab + y_b * y_ab) / (w_b * w_a), 0.0)
-                    e_b = max(-(x_a * x_ab + y_a * y_ab) / (w_a * w_b), 0.0)
-                    e_c = 0.0
+                    # Where along the longest edge, if it is there at all: here signs are rounding.
+                    x_ab, y_ab = x_b - x_a, y_b - y_a
+                    square = x_ab * x_ab + y_ab * y_ab
+                    e_b = min(max(-(x_a * x_ab + y_a * y_ab) / square, 0.0), 1.0) if square > 0.0 else 0.0
+                    e_a, e_c = 1.0 - e_b, 0.0
+                    if math.hypot(x_a + e_b * x_ab, y_a + e_b * y_ab) > 2.0 * THIN:
+                        continue
+                e_a, e_b, e_c = e_a / divisor[a], e_b / divisor[b], e_c / divisor[c]
                 pixel, total, square = row * width + column, e_a + e_b + e_c, 0.0
                 e_a, e_b, e_c = e_a / total, e_b / total, e_c / total
                 for axis in range(3):

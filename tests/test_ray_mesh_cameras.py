@@ -279,6 +279,20 @@ def test_what_lies_behind_the_origins_is_not_seen():
     assert ((beyond.position[seen] - CAMERA.position) @ CAMERA.axes()[2] > 2.99).all()
 
 
+def test_bands_of_the_picture_are_each_others_continuation(monkeypatch):
+    # Glass that disperses: each band has colours of its own.
+    scene = builtin.make("spectacles-plus")
+    mesh = as_ray_mesh(scene.camera, SIZE)
+    whole = seen_through(mesh, scene)
+    monkeypatch.setattr("anamorph.methods.raytrace.tiles_at_once", lambda pixels: 7)
+    assert np.abs(seen_through(mesh, scene).color - whole.color).mean() < 1e-4
+
+
+def test_the_scene_itself_is_not_drawn(monkeypatch):
+    monkeypatch.setattr("anamorph.methods.session.draw_scene", None)
+    assert seen_through(as_ray_mesh(CAMERA, SIZE)).object_id.any()
+
+
 def test_given_rays_are_traced_like_the_eyes():
     scene = scene_with(spherical_mirror())
     geometry = flatten(scene)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -16,6 +18,7 @@ from anamorph.rays import Caster
 from anamorph.scene import builtin
 from anamorph.scene.geometry import flatten
 from anamorph.scene.lens_pairs import scene_glass
+from anamorph.scene.model import Glass
 
 SIZE = (160, 120)
 
@@ -36,6 +39,9 @@ def test_it_is_near_to_the_surfaces_truth_but_not_the_same(name):
 
 def test_the_ray_is_the_ray_meshs_between_vertices():
     scene = builtin.make("magnifier")
+    tinted = Glass(1.5, tint=(0.9, 0.8, 0.7))
+    meshes = (replace(mesh, material=tinted) if mesh.specular else mesh for mesh in scene.meshes)
+    scene = replace(scene, meshes=tuple(meshes))
     geometry, eye = flatten(scene), scene.camera.eye(SIZE)
     lens = scene_glass(scene).lenses[0]
     records = PathTracer(scene, geometry, Caster(geometry), truth="raymesh").trace(scene.camera, SIZE)

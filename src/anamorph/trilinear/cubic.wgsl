@@ -4,9 +4,15 @@ const STEPS = 50;
 // What f32 may have lost of the sum of the terms.
 const CUBIC_NOISE = 4e-7;
 
+struct Start {
+    x: f32,
+    // How far from x, or beyond -1 to 1 from 1 / x in 1 / x, the root may be.
+    within: f32,
+}
+
 struct Starts {
     count: u32,
-    at: array<f32, 3>,
+    at: array<Start, 3>,
 }
 
 fn cubic_value(c: vec4f, x: f32) -> f32 {
@@ -64,11 +70,17 @@ fn root_between(c: vec4f, from_low: f32, to_high: f32, rising: bool) -> f32 {
     return x;
 }
 
-fn add(starts: ptr<function, Starts>, x: f32, reciprocal: bool, reach: f32) {
+fn add(starts: ptr<function, Starts>, x: f32, reciprocal: bool, reach: f32, within: f32) {
     if (*starts).count < 3u && (!reciprocal || abs(x) * reach >= 1.0) {
-        (*starts).at[(*starts).count] = select(x, 1.0 / x, reciprocal);
+        (*starts).at[(*starts).count] = Start(select(x, 1.0 / x, reciprocal), within);
         (*starts).count += 1u;
     }
+}
+
+// Whether a root at x is the one that was looked for.
+fn is_near(start: Start, x: f32) -> bool {
+    let beyond = abs(start.x) > 1.0;
+    return abs(select(x, 1.0 / x, beyond) - select(start.x, 1.0 / start.x, beyond)) <= start.within || start.within >= 2.0;
 }
 
 // Near where each root is, from -reach to reach. Where the cubic touches zero, or may: on either side of there.
@@ -77,7 +89,8 @@ fn cubic_roots(c: vec4f, reach: f32) -> Starts {
     let noise = CUBIC_NOISE * (abs(c.x) + abs(c.y) + abs(c.z) + abs(c.w));
     let at_ends = vec2<bool>(cubic_value(c, -1.0) >= 0.0, cubic_value(c, 1.0) >= 0.0);
     var crossings = 0;
-    var touch = vec2f();
+    var touch = 0.0;
+    var aside = 0.0;
     var touched = false;
     var touches_beyond = false;
     for (var half = 0; half < 2; half++) {
@@ -94,7 +107,7 @@ fn cubic_roots(c: vec4f, reach: f32) -> Starts {
         for (var k = 0; k < 3; k++) {
             if signs[k] != signs[k + 1] {
                 crossings++;
-                add(&starts, root_between(turned, ends[k], ends[k + 1], signs[k + 1]), beyond, reach);
+                add(&starts, root_between(turned, ends[k], ends[k + 1], signs[k + 1]), beyond, reach, 2.0);
             }
         }
         for (var k = 0; k < 2; k++) {
@@ -102,16 +115,16 @@ fn cubic_roots(c: vec4f, reach: f32) -> Starts {
             if !touched && abs(x) < 1.0 && abs(values[k]) <= noise
                 && signs[k] == signs[k + 1] && signs[k + 1] == signs[k + 2] {
                 let bend = abs(turned.z + 3.0 * x * turned.w);
-                let aside = sqrt(noise / max(bend, noise));
-                touch = vec2f(x - aside, x + aside);
+                aside = sqrt(noise / max(bend, noise));
+                touch = x;
                 touched = true;
                 touches_beyond = beyond;
             }
         }
     }
     if touched && crossings <= 1 {
-        add(&starts, touch.x, touches_beyond, reach);
-        add(&starts, touch.y, touches_beyond, reach);
+        add(&starts, touch - aside, touches_beyond, reach, 4.0 * aside);
+        add(&starts, touch + aside, touches_beyond, reach, 4.0 * aside);
     }
     return starts;
 }

@@ -3,12 +3,12 @@
 // Where roots lie is found in f32, from a cubic that counts t from where the middle ray passes the point; each is then
 // polished in sums of two floats, and so are its weights.
 
-const REACH = 1e-9;
+const REACH = 1e-7;
 const OUTERMOST = 1e8;
 // In the frame: what is beyond is not projected, because the squares of its coordinates leave the range of f32.
-const FARTHEST = 1e15;
+const FARTHEST = 1e16;
 // What sums of two floats lose, and below which share of what it comes from a length is nothing.
-const ROUNDING = 5.7e-14;
+const ROUNDING = 2.8e-14;
 const SAME = 1e-12;
 const POLISHINGS = 12;
 
@@ -78,22 +78,25 @@ fn normal_at(triangle: u32, t: Two) -> Two {
     return plus(planes[0], times(t, plus(planes[1], times(t, planes[2]))));
 }
 
-// Newton's steps on (s - t m) . N(t), each taken where it comes nearer to zero.
-fn polished(triangle: u32, point: Two, start: Two) -> Plane {
+// Newton's steps on (s - t m) . N(t), each taken where it comes nearer to zero. Lengths are in units of `unit`.
+fn polished(triangle: u32, point: Two, start: Two, unit: f32) -> Plane {
     let planes = triangles[triangle].planes;
     let mean = triangles[triangle].mean.hi;
     var t = start;
-    var off = from_middle(triangle, point, t);
+    var off = scaled(from_middle(triangle, point, t), 1.0 / unit);
     var normal = normal_at(triangle, t);
+    let steep = 1.0 / power_of_two(longest(normal.hi));
+    normal = scaled(normal, steep);
     var value = inner(off, normal).hi;
     for (var step = 0; step < POLISHINGS; step++) {
-        let slope = dot(off.hi, planes[1].hi + 2.0 * t.hi * planes[2].hi) - dot(mean, normal.hi);
+        let change = (steep * planes[1].hi + 2.0 * t.hi * (steep * planes[2].hi)) * unit;
+        let slope = dot(off.hi, change) - dot(mean, normal.hi);
         if slope == 0.0 || value.x == 0.0 {
             break;
         }
-        let next = plus(t, two(-value / slope));
-        let next_off = from_middle(triangle, point, next);
-        let next_normal = normal_at(triangle, next);
+        let next = plus(t, two(-value / slope * unit));
+        let next_off = scaled(from_middle(triangle, point, next), 1.0 / unit);
+        let next_normal = scaled(normal_at(triangle, next), steep);
         let next_value = inner(next_off, next_normal).hi;
         if !(abs(next_value.x) < abs(value.x)) {
             break;
@@ -104,8 +107,9 @@ fn polished(triangle: u32, point: Two, start: Two) -> Plane {
         value = next_value;
     }
     let along = abs(t.hi.x);
-    let steepest = length(planes[0].hi) + along * (length(planes[1].hi) + along * length(planes[2].hi));
-    return Plane(t, abs(value.x) <= ROUNDING * steepest * (length(point.hi) + along * length(mean)));
+    let steepest = steep * (length(planes[0].hi) + along * (length(planes[1].hi) + along * length(planes[2].hi)));
+    let farthest = (length(point.hi) + along * length(mean)) / unit;
+    return Plane(t, abs(value.x) <= ROUNDING * steepest * farthest);
 }
 
 fn solved(off: vec3f, e: vec3f, g: vec3f, normal: vec3f, thin: bool) -> vec2f {
@@ -170,7 +174,7 @@ fn near_roots(triangle: u32, point: Two, middle: f32, unit: ptr<function, f32>) 
     let e = rays.origins[0].hi + middle * rays.directions[0].hi;
     let g = rays.origins[1].hi + middle * rays.directions[1].hi;
     // In units of how wide the rays are there.
-    let wide = power_of_two(longest(off.hi) + longest(e) + longest(g));
+    let wide = power_of_two(longest(off.hi) + longest(e) + longest(g) + rays.blur);
     *unit = wide;
     var normal = array<Two, 3>(
         normal_at(triangle, t),
@@ -213,9 +217,9 @@ fn project(@builtin(global_invocation_id) id: vec3u) {
         var unit = 1.0;
         let starts = near_roots(triangle, point, middle, &unit);
         for (var k = 0u; k < starts.count; k++) {
-            let start = exact_sum(vec3f(middle), vec3f(starts.at[k] * unit));
-            let plane = polished(triangle, point, start);
-            if plane.holds {
+            let start = starts.at[k];
+            let plane = polished(triangle, point, exact_sum(vec3f(middle), vec3f(start.x * unit)), unit);
+            if plane.holds && is_near(start, minus(plane.t, two(vec3f(middle))).hi.x / unit) {
                 roots[k] = root_at(triangle, point, plane.t);
                 // The low part of the shift, which matters where t is near 0.
                 roots[k].t = plus(plane.t, Two(size_and_shift.zzz, size_and_shift.www)).hi.x;

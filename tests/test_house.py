@@ -25,7 +25,7 @@ BELOW: dict[str, set[str]] = {
     "frame": {"scene"},
     "rays": {"scene", "raymesh", "embree"},
     "optics": {"scene", "raymesh", "rays"},
-    "trilinear": {"scene", "raymesh", "projection"},
+    "trilinear": {"scene", "raymesh", "projection", "gpu"},
     "cameras": {"scene", "raymesh"},
     "gpu": {"scene", "frame", "projection"},
     "methods": {"scene", "raymesh", "rays", "optics", "frame", "projection", "gpu", "cameras", "trilinear"},

@@ -4,6 +4,9 @@ const STEPS = 50;
 // What f32 may have lost of the sum of the terms.
 const CUBIC_NOISE = 4e-7;
 
+// Of a root that is surely there.
+const ANYWHERE = 2.0;
+
 struct Start {
     x: f32,
     // How far from x, or beyond -1 to 1 from 1 / x in 1 / x, the root may be.
@@ -80,7 +83,8 @@ fn add(starts: ptr<function, Starts>, x: f32, reciprocal: bool, reach: f32, with
 // Whether a root at x is the one that was looked for.
 fn is_near(start: Start, x: f32) -> bool {
     let beyond = abs(start.x) > 1.0;
-    return abs(select(x, 1.0 / x, beyond) - select(start.x, 1.0 / start.x, beyond)) <= start.within || start.within >= 2.0;
+    let moved = select(x, 1.0 / x, beyond) - select(start.x, 1.0 / start.x, beyond);
+    return start.within == ANYWHERE || abs(moved) <= start.within;
 }
 
 // Near where each root is, from -reach to reach. Where the cubic touches zero, or may: on either side of there.
@@ -107,7 +111,7 @@ fn cubic_roots(c: vec4f, reach: f32) -> Starts {
         for (var k = 0; k < 3; k++) {
             if signs[k] != signs[k + 1] {
                 crossings++;
-                add(&starts, root_between(turned, ends[k], ends[k + 1], signs[k + 1]), beyond, reach, 2.0);
+                add(&starts, root_between(turned, ends[k], ends[k + 1], signs[k + 1]), beyond, reach, ANYWHERE);
             }
         }
         for (var k = 0; k < 2; k++) {

@@ -41,6 +41,7 @@ struct Projections {
 }
 
 struct Root {
+    // The ray triangle's own t over its pace.
     t: f32,
     u: f32,
     v: f32,
@@ -82,6 +83,7 @@ fn normal_at(triangle: u32, t: Two) -> Two {
 fn polished(triangle: u32, point: Two, start: Two, unit: f32) -> Plane {
     let planes = triangles[triangle].planes;
     let mean = triangles[triangle].mean.hi;
+    // One scale for all of N: its squares may be out of range.
     var t = start;
     var off = scaled(from_middle(triangle, point, t), 1.0 / unit);
     var normal = normal_at(triangle, t);
@@ -112,6 +114,7 @@ fn polished(triangle: u32, point: Two, start: Two, unit: f32) -> Plane {
     return Plane(t, abs(value.x) <= ROUNDING * steepest * farthest);
 }
 
+// The change of the two weights that leads from the triangle's middle nearest to a point of its plane.
 fn solved(off: vec3f, e: vec3f, g: vec3f, normal: vec3f, thin: bool) -> vec2f {
     if thin {
         // On a line, the least change of the weights that leads to the point.
@@ -157,8 +160,8 @@ fn root_at(triangle: u32, point: Two, t: Two) -> Root {
     let spans = full_e + full_g + rays.extent + abs(shift) + abs(t.hi.x);
     let sum = abs(a.hi.x) + abs(b.hi.x);
     let lost = sum * rays.blur + ROUNDING * ((1.0 + sum) * spans + length(point.hi));
-    let world_t = plus(t, two(rays.size_and_shift.zzz)).hi.x;
-    var root = Root(world_t, 0.0, 0.0, true, sum <= OUTERMOST && missed + lost <= REACH * size + rays.blur);
+    let world_t = plus(t, Two(rays.size_and_shift.zzz, rays.size_and_shift.www));
+    var root = Root(world_t.hi.x, 0.0, 0.0, true, sum <= OUTERMOST && missed + lost <= REACH * size + rays.blur);
     if root.valid {
         root.u = 1.0 / 3.0 + (0.70710678 * a.hi.x - 0.40824829 * b.hi.x);
         root.v = 1.0 / 3.0 + 0.81649658 * b.hi.x;
@@ -221,11 +224,10 @@ fn project(@builtin(global_invocation_id) id: vec3u) {
             let plane = polished(triangle, point, exact_sum(vec3f(middle), vec3f(start.x * unit)), unit);
             if plane.holds && is_near(start, minus(plane.t, two(vec3f(middle))).hi.x / unit) {
                 roots[k] = root_at(triangle, point, plane.t);
-                // The low part of the shift, which matters where t is near 0.
-                roots[k].t = plus(plane.t, Two(size_and_shift.zzz, size_and_shift.www)).hi.x;
             }
         }
     }
+    // In ascending order, the real ones first.
     for (var k = 0; k < 3; k++) {
         let first = select(0, 1, k == 1);
         let second = first + 1;

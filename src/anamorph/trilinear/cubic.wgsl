@@ -4,13 +4,10 @@ const STEPS = 50;
 // What f32 may have lost of the sum of the terms.
 const CUBIC_NOISE = 4e-7;
 
-// Of a root that is surely there.
-const ANYWHERE = 2.0;
-
 struct Start {
     x: f32,
-    // How far from x, or beyond -1 to 1 from 1 / x in 1 / x, the root may be.
-    within: f32,
+    // Whether the cubic crosses zero there, and not only touches it.
+    crosses: bool,
 }
 
 struct Starts {
@@ -73,18 +70,11 @@ fn root_between(c: vec4f, from_low: f32, to_high: f32, rising: bool) -> f32 {
     return x;
 }
 
-fn add(starts: ptr<function, Starts>, x: f32, reciprocal: bool, reach: f32, within: f32) {
+fn add(starts: ptr<function, Starts>, x: f32, reciprocal: bool, reach: f32, crosses: bool) {
     if (*starts).count < 3u && (!reciprocal || abs(x) * reach >= 1.0) {
-        (*starts).at[(*starts).count] = Start(select(x, 1.0 / x, reciprocal), within);
+        (*starts).at[(*starts).count] = Start(select(x, 1.0 / x, reciprocal), crosses);
         (*starts).count += 1u;
     }
-}
-
-// Whether a root at x is the one that was looked for.
-fn is_near(start: Start, x: f32) -> bool {
-    let beyond = abs(start.x) > 1.0;
-    let moved = select(x, 1.0 / x, beyond) - select(start.x, 1.0 / start.x, beyond);
-    return start.within == ANYWHERE || abs(moved) <= start.within;
 }
 
 // Near where each root is, from -reach to reach. Where the cubic touches zero, or may: on either side of there.
@@ -111,7 +101,7 @@ fn cubic_roots(c: vec4f, reach: f32) -> Starts {
         for (var k = 0; k < 3; k++) {
             if signs[k] != signs[k + 1] {
                 crossings++;
-                add(&starts, root_between(turned, ends[k], ends[k + 1], signs[k + 1]), beyond, reach, ANYWHERE);
+                add(&starts, root_between(turned, ends[k], ends[k + 1], signs[k + 1]), beyond, reach, true);
             }
         }
         for (var k = 0; k < 2; k++) {
@@ -127,8 +117,8 @@ fn cubic_roots(c: vec4f, reach: f32) -> Starts {
         }
     }
     if touched && crossings <= 1 {
-        add(&starts, touch - aside, touches_beyond, reach, 4.0 * aside);
-        add(&starts, touch + aside, touches_beyond, reach, 4.0 * aside);
+        add(&starts, touch - aside, touches_beyond, reach, false);
+        add(&starts, touch + aside, touches_beyond, reach, false);
     }
     return starts;
 }

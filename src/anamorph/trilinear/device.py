@@ -1,8 +1,15 @@
 """`project_points` on the graphics device, for many points and many ray triangles at once.
 
 The device has float32 only. Ray triangles' frames are made here in float64, points are taken as differences from a
-centre near by, and both go to the device as sums of two floats. There (`points.wgsl`) the roots are found in float32
-and polished in sums of two floats, so that what comes back has float64's roots rounded to float32.
+middle near by, and both go to the device as sums of two floats. There (`points.wgsl`) roots are found in float32, and
+polished, with their weights, in sums of two floats. What comes back are float64's roots, rounded to float32.
+
+How near: in u and v, times 800 pixels, 1.6e-5 pixels at the median, 5e-5 at the 99th percentile and 8e-5 at most, over
+a million roots inside random ray triangles, with coordinates about 1 or 1000, but for those at caustics. There, two
+roots meet, and no float32 start tells them apart: of roots where the cubic's derivative is less than 1e-4 (over the
+length of the ray's direction and the square of the parametric triangle's longest side: one in 15,000 of the random
+ones), one in fifty or so is off by more than 1e-3 pixels. What two floats cannot hold is a parametric triangle smaller
+than about 1e-6 of the distances between ray triangles and points.
 """
 
 from __future__ import annotations
@@ -20,7 +27,7 @@ from anamorph.gpu.device import get_device
 from anamorph.trilinear.coefficients import RayTriangleFrame, ray_triangle_frame
 from anamorph.trilinear.points import Projections
 
-SHADERS = ("two_floats.wgsl", "cubic.wgsl", "points.wgsl")
+SHADERS = ("two_floats.wgsl", "cubic.wgsl", "weights.wgsl", "points.wgsl")
 
 WORKGROUP = 64
 
@@ -56,7 +63,8 @@ def project_points_on_device(origins: np.ndarray, directions: np.ndarray, points
     Returns
     -------
     Projections
-        (N, 3), or (K, N, 3) for K ray triangles. `valid` is said of the ray before it is rounded to float32.
+        (N, 3), or (K, N, 3) for K ray triangles, numbers of float32 in float64. Valid is, before rounding, a ray that
+        passes by its point at up to 1e-7 of the distances, not 1e-9: a few more far outside the ray triangle.
 
     Raises
     ------

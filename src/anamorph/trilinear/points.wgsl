@@ -1,16 +1,18 @@
-// Points projected into ray triangles: points.py on the device. Follows two_floats.wgsl and cubic.wgsl.
+// Points projected into ray triangles: points.py on the device. Needs two_floats.wgsl, cubic.wgsl and
+// weights.wgsl.
 //
 // Where roots lie is found in f32, from a cubic that counts t from where the middle ray passes the point; each is then
 // polished in sums of two floats, and so are its weights.
 
-const REACH = 1e-7;
-const OUTERMOST = 1e8;
 // In the frame: what is beyond is not projected, because the squares of its coordinates leave the range of f32.
-const FARTHEST = 1e16;
-// What sums of two floats lose, and below which share of what it comes from a length is nothing.
+const FARTHEST = 1e17;
+// What sums of two floats lose.
 const ROUNDING = 2.8e-14;
-const SAME = 1e-12;
 const POLISHINGS = 12;
+// A polished value that is a smaller share of its terms is 0.
+const ZERO = 1e-11;
+// Roots nearer to each other than this share of the way to them may be one.
+const ALIKE = 1e-6;
 
 // A RayTriangleFrame.
 struct RayTriangle {
@@ -38,15 +40,6 @@ struct Projections {
     flags: u32,
     u: vec3f,
     v: vec3f,
-}
-
-struct Root {
-    // The ray triangle's own t over its pace.
-    t: f32,
-    u: f32,
-    v: f32,
-    real: bool,
-    valid: bool,
 }
 
 struct Plane {
@@ -83,10 +76,10 @@ fn normal_at(triangle: u32, t: Two) -> Two {
 fn polished(triangle: u32, point: Two, start: Two, unit: f32) -> Plane {
     let planes = triangles[triangle].planes;
     let mean = triangles[triangle].mean.hi;
-    // One scale for all of N: its squares may be out of range.
     var t = start;
     var off = scaled(from_middle(triangle, point, t), 1.0 / unit);
     var normal = normal_at(triangle, t);
+    // Products of unscaled lengths may be out of range.
     let steep = 1.0 / power_of_two(longest(normal.hi));
     normal = scaled(normal, steep);
     var value = inner(off, normal).hi;
@@ -111,62 +104,7 @@ fn polished(triangle: u32, point: Two, start: Two, unit: f32) -> Plane {
     let along = abs(t.hi.x);
     let steepest = steep * (length(planes[0].hi) + along * (length(planes[1].hi) + along * length(planes[2].hi)));
     let farthest = (length(point.hi) + along * length(mean)) / unit;
-    return Plane(t, abs(value.x) <= ROUNDING * steepest * farthest);
-}
-
-// The change of the two weights that leads from the triangle's middle nearest to a point of its plane.
-fn solved(off: vec3f, e: vec3f, g: vec3f, normal: vec3f, thin: bool) -> vec2f {
-    if thin {
-        // On a line, the least change of the weights that leads to the point.
-        return vec2f(dot(e, off), dot(g, off)) / (dot(e, e) + dot(g, g));
-    }
-    return vec2f(dot(normal, cross(off, g)), dot(normal, cross(e, off))) / dot(normal, normal);
-}
-
-// The root at a t: its ray's weights, and whether that ray passes through the point.
-fn root_at(triangle: u32, point: Two, t: Two) -> Root {
-    let rays = triangles[triangle];
-    let change_e = times(t, rays.directions[0]);
-    let change_g = times(t, rays.directions[1]);
-    var e = plus(rays.origins[0], change_e);
-    var g = plus(rays.origins[1], change_g);
-    // What the two sums would be without cancelling is what their rounding errors are to be measured by.
-    let full_e = length(rays.origins[0].hi) + length(change_e.hi);
-    let full_g = length(rays.origins[1].hi) + length(change_g.hi);
-    let extent = max(longest(e.hi), longest(g.hi));
-    let together = extent <= max(SAME * (full_e + full_g), rays.blur);
-    let unit = power_of_two(extent);
-    e = scaled(e, 1.0 / unit);
-    g = scaled(g, 1.0 / unit);
-    let off = scaled(from_middle(triangle, point, t), 1.0 / unit);
-    let normal = vector_product(e, g).hi;
-    let thin = together || length(normal) <= SAME * (full_e * length(g.hi) + length(e.hi) * full_g) / unit;
-    var left = off;
-    var a = two(vec3f());
-    var b = two(vec3f());
-    // Each step gains seven digits, less what the triangle is thin.
-    for (var step = 0; step < 4 && !together; step++) {
-        let more = solved(left.hi, e.hi, g.hi, normal, thin);
-        a = plus(a, two(more.xxx));
-        b = plus(b, two(more.yyy));
-        left = minus(off, plus(times(a, e), times(b, g)));
-        if thin {
-            break;
-        }
-    }
-    let missed = length(left.hi) * unit;
-    let shift = rays.size_and_shift.z;
-    let size = max(length(point.hi + shift * rays.mean.hi), rays.extent);
-    let spans = full_e + full_g + rays.extent + abs(shift) + abs(t.hi.x);
-    let sum = abs(a.hi.x) + abs(b.hi.x);
-    let lost = sum * rays.blur + ROUNDING * ((1.0 + sum) * spans + length(point.hi));
-    let world_t = plus(t, Two(rays.size_and_shift.zzz, rays.size_and_shift.www));
-    var root = Root(world_t.hi.x, 0.0, 0.0, true, sum <= OUTERMOST && missed + lost <= REACH * size + rays.blur);
-    if root.valid {
-        root.u = 1.0 / 3.0 + (0.70710678 * a.hi.x - 0.40824829 * b.hi.x);
-        root.v = 1.0 / 3.0 + 0.81649658 * b.hi.x;
-    }
-    return root;
+    return Plane(t, abs(value.x) <= ZERO * steepest * farthest);
 }
 
 // Near which t's the roots are, in the frame.
@@ -199,7 +137,7 @@ fn near_roots(triangle: u32, point: Two, middle: f32, unit: ptr<function, f32>) 
     if !(greatest > ROUNDING * (1.0 + (length(point.hi) + abs(middle)) / wide)) {
         return Starts();
     }
-    return cubic_roots(cubic / greatest, min(1e8, 1e17 / wide));
+    return cubic_roots(cubic / greatest, clamp(1e18 / wide, 1.0, 1e8));
 }
 
 @compute @workgroup_size(64)
@@ -218,11 +156,19 @@ fn project(@builtin(global_invocation_id) id: vec3u) {
         let other = triangles[triangle].directions[1].hi;
         let middle = dot(point.hi, mean) / (dot(mean, mean) + dot(spread, spread) + dot(other, other));
         var unit = 1.0;
+        var t = array<Two, 3>();
         let starts = near_roots(triangle, point, middle, &unit);
         for (var k = 0u; k < starts.count; k++) {
             let start = starts.at[k];
             let plane = polished(triangle, point, exact_sum(vec3f(middle), vec3f(start.x * unit)), unit);
-            if plane.holds && is_near(start, minus(plane.t, two(vec3f(middle))).hi.x / unit) {
+            t[k] = plane.t;
+            // From where the cubic may touch zero, Newton's steps can lead to where it crosses.
+            var again = false;
+            for (var other = 0u; other < k; other++) {
+                let apart = minus(plane.t, t[other]).hi.x;
+                again |= !start.crosses && starts.at[other].crosses && abs(apart) <= ALIKE * abs(plane.t.hi.x - middle);
+            }
+            if plane.holds && !again {
                 roots[k] = root_at(triangle, point, plane.t);
             }
         }

@@ -148,6 +148,17 @@ def test_a_point_on_a_caustic_is_reported_twice_near_it_and_not_at_all_beyond():
     assert result.u == pytest.approx(truth.u, abs=1e-4)
 
 
+def test_where_all_rays_cross_one_line_a_point_on_it_has_one_ray_and_one_in_the_same_plane_none():
+    p = np.array([[0.1, 1.0, -2.0], [0.3, -1.0, -1.0], [-0.4, 0.2, -1.5]])
+    n = np.array([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.5, 0.0, 0.0]]) - p
+    points = np.array([[0.5, 0.0, 0.0], [0.25, 0.0, 0.0], [0.5, 0.1, 0.3]])
+    result, truth = project_points_on_device(p, n, points), project_points(p, n, points)
+    at_line = result.valid & (np.abs(result.t - 1.0) < 1e-6)
+    assert at_line.sum(axis=1).tolist() == [1, 1, 0]
+    assert result.u[at_line] == pytest.approx([1 / 3, 1 / 12], abs=1e-6)
+    assert (result.valid == truth.valid).all() and result.u == pytest.approx(truth.u, abs=1e-6)
+
+
 def test_many_ray_triangles_are_projected_as_one_by_one_and_in_blocks(monkeypatch):
     random = np.random.default_rng(5)
     p, n = random.normal(size=(2, 7, 3, 3))

@@ -93,7 +93,6 @@ def _fill(
     points, bits, within, solved, links, ends, cuts, traces, levels, start, polygon = work
     divided = tessellate * tessellate
     used = 0
-    divided_more = scene_clip or slices > 0
     for item in range(begin_item, end_item):
         if used + most > len(pieces[3]):
             return item, used
@@ -132,13 +131,14 @@ def _fill(
                     if abs(row[LINES + line] - end) <= beside:
                         high = end - beside
                 begin = end
+                one_start = low == first and has_ray(solved, links, 0, start[0])
+                one_end = high == last and has_ray(solved, links, 0, stop[0] - 1)
+                corners_there = stop[0] - start[0] + stop[1] - start[1] - one_start - one_end
                 count = 0
-                if divided_more:
+                if scene_clip or slices > 0 or corners_there > 3:
                     count = levels_of(solved, links, start, stop, low, high, slices, cuts, levels)
                 lefts = traced(row, solved, within, links, 0, start[0], stop[0], low, high, levels[:count], traces[0])
                 rights = traced(row, solved, within, links, 1, start[1], stop[1], low, high, levels[:count], traces[1])
-                one_start = low == first and has_ray(solved, links, 0, start[0])
-                one_end = high == last and has_ray(solved, links, 0, stop[0] - 1)
                 if lefts and rights:
                     used = strip(row, pair, traces, lefts, rights, one_start, one_end, polygon, pieces, used)
             start[0], start[1] = stop[0], stop[1]

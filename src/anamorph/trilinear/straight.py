@@ -7,8 +7,8 @@ triangle first (4.5.1). Here to be compared with exact edges, and therefore comp
 Deviations: a shape of two corners is a line in the thesis and nothing here. A shape that goes on to infinity (rays
 parallel to one plane) ends at `fill.ENDLESS`, close to the point of the picture to which it goes. Where the rays of a
 ray triangle all meet in a point or a line ahead, the picture of what extends across it goes through infinity, and is
-cut in two there. Where one chain gets a point, by a cut or an extra level, the other gets one at the same t. And see
-`traces` and `strips`.
+cut in two there. Shapes of more than three corners, and those with cuts or extra levels, get points on both chains at
+the same t, instead of being drawn as polygons of any form. And see `traces` and `strips`.
 """
 
 from __future__ import annotations

@@ -2,10 +2,9 @@
 
 At every t what is seen between the traces is a straight line in u and v, since the plane of the scene triangle cuts the
 parametric triangle in one. All these lines go through one point, to which the ray belongs that lies in that plane, and
-cross nowhere else. So the points of both traces in the order of t make the triangles, and no polygon has to be cut up.
-Where both traces have a point at the same t, what lies between two such levels is filled exactly; where only one has,
-a triangle may reach a little beyond a hollow outline. A shape of two corners and nothing between has no area: the
-thesis draws a line for it, this draws nothing.
+cross nowhere else. So the points of both traces in the order of t make the triangles, and what lies between two levels
+that both traces have is filled exactly. A shape of two corners and nothing between has no area: the thesis draws a line
+for it, this draws nothing.
 
 Near vanishing lines u and v grow without bound. What lies further from the ray triangle than `GUARD` times its size is
 cut away, and what lies beyond one of its sides is left out.

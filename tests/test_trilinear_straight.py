@@ -158,11 +158,12 @@ def on_the_border(pieces):
     """The stretches of y that pieces cover of the line x = 0, as ends ascending."""
     stretches = []
     for piece in pieces.place.astype(float):
-        ys = []
+        piece[np.abs(piece[:, 0]) < 1e-7, 0] = 0.0
+        ys = list(piece[piece[:, 0] == 0.0, 1])
         for a, b in zip(piece, np.roll(piece, -1, axis=0), strict=True):
-            if (a[0] > 0.0) != (b[0] > 0.0):
+            if a[0] * b[0] < 0.0:
                 ys.append(a[1] + a[0] / (a[0] - b[0]) * (b[1] - a[1]))
-        if ys and max(ys) > 0.0 and min(ys) < 1.0:
+        if len(ys) > 1 and max(ys) > 0.0 and min(ys) < 1.0:
             stretches.append((min(ys), max(ys)))
     ends = []
     for low, high in sorted(stretches):

@@ -26,6 +26,9 @@ Pieces = tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]
 GUARD = 4.0
 """How far pieces may reach: weights in the picture are at least minus this."""
 
+SLIVER = 1e-9
+"""A piece that reaches no further into the ray triangle has come there by rounding."""
+
 EYE = 1e-3
 """Where the picture's w changes its sign over a ray triangle, pieces are cut at this share of the greatest."""
 
@@ -137,9 +140,10 @@ def _crossing(
 
 @inlined
 def _beyond_a_side(a: np.ndarray, b: np.ndarray, c: np.ndarray) -> bool:
-    beyond_u = a[U] < 0.0 and b[U] < 0.0 and c[U] < 0.0
-    beyond_v = a[V] < 0.0 and b[V] < 0.0 and c[V] < 0.0
-    return beyond_u or beyond_v or (a[U] + a[V] > 1.0 and b[U] + b[V] > 1.0 and c[U] + c[V] > 1.0)
+    beyond_u = a[U] < SLIVER and b[U] < SLIVER and c[U] < SLIVER
+    beyond_v = a[V] < SLIVER and b[V] < SLIVER and c[V] < SLIVER
+    last = 1.0 - SLIVER
+    return beyond_u or beyond_v or (a[U] + a[V] > last and b[U] + b[V] > last and c[U] + c[V] > last)
 
 
 @inlined

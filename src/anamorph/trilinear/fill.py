@@ -20,8 +20,9 @@ from anamorph.trilinear.traces import BESIDE, CUTS, TRACE, has_ray, levels_of, s
 ENDLESS = 1e6
 """In place of an infinite t: this many times the distance of the corners from the middle, in the frame."""
 
-POINTS = 2 * LINKS + 3 * CUTS + 4
-"""Most points of both traces of a triangle's shapes, without extra levels: links, those beside them, and cuts."""
+POINTS = 4 * LINKS + 6 * CUTS + 4 * SHAPES
+"""Most points of both traces of a triangle's shapes, without extra levels: links on either trace and those beside them,
+each edge's cuts on both traces, and the ends of parts."""
 
 ROOM = 4
 """Pieces for each small triangle that room is made for at once; where there are more, more room is made."""

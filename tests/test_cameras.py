@@ -107,8 +107,8 @@ def test_a_pinhole_is_the_camera_at_every_pixel(position, target, angle, width, 
     assume(np.linalg.norm(np.cross(forward, (0, 1, 0))) > 1e-3 * np.linalg.norm(forward) > 1e-6)
     camera = Camera(position, target, field_of_view=angle)
     origins, directions, _ = rays_at(cameras.pinhole(camera, (width, height)), centers((width, height)))
-    assert unit(directions) == pytest.approx(camera.directions(centers((width, height)), (width, height)), abs=1e-9)
-    assert origins == pytest.approx(np.broadcast_to(position, origins.shape), abs=1e-12)
+    assert np.abs(unit(directions) - camera.directions(centers((width, height)), (width, height))).max() < 1e-9
+    assert np.abs(origins - position).max() < 1e-12
 
 
 def test_orthographic_rays_are_parallel_and_as_far_apart_as_asked():
@@ -211,9 +211,9 @@ def test_the_transition_turns_from_one_view_to_the_other(columns):
 @given(center=st.tuples(*[st.floats(-5, 5)] * 3), radius=st.floats(0.1, 10.0), rows=st.integers(2, 8))
 def test_all_rays_of_an_inward_sphere_meet_in_its_center(pole, center, radius, rows):
     mesh = cameras.inward_sphere(center, radius, SIZE, rows, 5, pole)
-    assert np.linalg.norm(mesh.origins - center, axis=1) == pytest.approx(np.full(len(mesh.origins), radius))
+    assert np.abs(np.linalg.norm(mesh.origins - center, axis=1) / radius - 1.0).max() < 1e-9
     origins, directions, _ = rays_at(mesh, centers(SIZE))
-    assert origins + directions == pytest.approx(np.broadcast_to(center, origins.shape), abs=1e-9)
+    assert np.abs(origins + directions - center).max() < 1e-9
 
 
 def test_an_inward_sphere_is_a_map_as_of_the_earth():
@@ -316,7 +316,7 @@ OPPOSED = np.stack([RAYS[0], -RAYS[0]])
     (lambda: cameras.detail_and_context(ASKEW, SIZE, rows=2), "rows is 2; give a whole number, 3 or more"),
     (lambda: cameras.multi_perspective(LEFT, FRONT, SIZE, transition=0.0), "transition is 0.0"),
     (lambda: cameras.multi_perspective(LEFT, FRONT, SIZE, columns=0), "columns is 0"),
-    (lambda: cameras.multi_perspective(LEFT, Camera(LEFT.target, LEFT.position), SIZE, (True, True)), "opposite"),
+    (lambda: cameras.multi_perspective(LEFT, Camera(LEFT.target, LEFT.position), SIZE, (True, True)), "left and right"),
     (lambda: cameras.inward_sphere((0, 0), 1.0, SIZE), "center is"),
     (lambda: cameras.inward_sphere((0, 0, 0), -1.0, SIZE), "radius is -1.0"),
     (lambda: cameras.inward_sphere((0, 0, 0), 1.0, SIZE, columns=2), "columns is 2; give a whole number, 3 or more"),
@@ -402,6 +402,8 @@ def test_the_part_of_the_ball_fills_a_square_picture_with_vertices_on_the_ball(q
     assert len(mirror.faces) == 2 * quads**2 and isinstance(mirror.surface, Sphere)
     assert np.linalg.norm(mirror.positions - BALL.center, axis=1) == pytest.approx(1.0, abs=1e-6)
     assert (seen(cameras.pinhole(scene.camera, (81, 81)), scene, (81, 81)) == 1).all()
+    offset = np.asarray(scene.camera.position) - mirror.positions
+    assert (np.sum(offset * mirror.normals, axis=1) > 0.2).all(), "the side near the eye, from close by"
     edges = np.array([[0.5, 0.5], [799.5, 0.5], [400.0, 0.5], [0.5, 400.0], [799.5, 799.5], [0.5, 799.5]])
     directions = scene.camera.directions(edges, (800, 800))
     first = Caster(flatten(scene)).cast(np.tile(scene.camera.position, (6, 1)), directions).triangle

@@ -9,7 +9,6 @@ from hypothesis import strategies as st
 from trilinear_twin import (
     PICTURES,
     RAYS,
-    SIZE,
     TRIANGLES,
     RayTriangles,
     evaluated,
@@ -108,7 +107,8 @@ def scene(count: int = 40, seed: int = 0, rays: int = 30) -> tuple[RayTriangles,
     random = np.random.default_rng(seed)
     parts = [ray_triangle("any", "any", random) for _ in range(rays)]
     seen_by = RayTriangles(*(np.concatenate(each) for each in zip(*parts, strict=True)))
-    return seen_by, random.normal(size=(count, 1, 3)) + [0.0, 0.0, 3.0] + random.normal(scale=0.5, size=(count, 3, 3))
+    middles = random.normal(size=(count, 1, 3)) + np.array([0.0, 0.0, 3.0])
+    return seen_by, middles + random.normal(scale=0.5, size=(count, 3, 3))
 
 
 def rows_of(plan: Plan) -> set[tuple[int, int, int]]:

@@ -8,6 +8,7 @@ from functools import cache
 import numpy as np
 import pytest
 import trimesh
+from scenes import CAMERA as SMALL_CAMERA
 from scenes import SIZE, drawn, flat_mirror, open_view, scene_with, spherical_mirror
 
 from anamorph import cameras
@@ -18,10 +19,11 @@ from anamorph.raymesh import RayMesh
 from anamorph.scene.builtin import make
 from anamorph.scene.builtin.cube import CAMERA, cube_scene
 from anamorph.scene.builtin.cube_mirrors import cube_in_sphere
+from anamorph.scene.builtin.flat_mirror import plane_mirror
 from anamorph.scene.camera import Camera
-from anamorph.scene.model import Diffuse, Mesh, Scene, Sky
+from anamorph.scene.model import Diffuse, Mesh, Mirror, Scene, Sky
 
-PICTURE = (300, 300)
+PICTURE = (240, 240)
 LEFT = Camera(position=(-3.0, 1.0, 0.6), target=(0.0, 0.0, 0.0), field_of_view=40.0)
 RIGHT = Camera(position=(0.3, 1.0, 3.2), target=(0.0, 0.0, 0.0), field_of_view=40.0)
 
@@ -42,7 +44,6 @@ BARE = {
 
 MIRRORS = {
     "7.4, 1": (lambda: cube_in_sphere(1), PICTURE, 0.001),
-    "7.4, 3": (lambda: cube_in_sphere(3), PICTURE, 0.001),
     "7.4, 5": (lambda: cube_in_sphere(5), PICTURE, 0.001),
     "7.5": (lambda: make("cube-in-wavy-mirror"), PICTURE, 0.002),
     "flat-mirror": (lambda: make("flat-mirror"), (240, 180), 0.001),
@@ -125,6 +126,38 @@ def test_what_stands_before_a_mirror_hides_it(mirror):
     assert_same_geometry(truth, frame)
 
 
+def hall_of_mirrors() -> Mesh:
+    """The inside of a ball around everything."""
+    ball = trimesh.creation.icosphere(subdivisions=2)
+    positions = (3.0 * ball.vertices + [0.0, 0.5, 1.0]).astype(np.float32)
+    faces = ball.faces[:, ::-1].astype(np.int32)
+    return Mesh("mirror", positions, faces, (-ball.vertices).astype(np.float32), Mirror(reflectance=0.9))
+
+
+AROUND = {
+    "beside the eye": (
+        plane_mirror("mirror", (-6.0, -0.5, -1.0), (12.0, 0.0, 0.0), (0.0, 3.0, 0.0)),
+        Camera(position=(-0.5, 0.65, -0.3), target=(-3.0, 0.5, -0.9), field_of_view=60.0),
+    ),
+    "around the eye": (
+        hall_of_mirrors(),
+        Camera(position=(0.25, 0.65, 0.9), target=(0.3, 0.5, 3.0), field_of_view=60.0),
+    ),
+    "hollow": (spherical_mirror(-1.0), SMALL_CAMERA),
+    "hollow and coarse": (spherical_mirror(-0.5, count=3), SMALL_CAMERA),
+}
+
+
+@pytest.mark.parametrize("name", AROUND)
+def test_mirrors_may_reach_behind_the_eye_or_be_hollow(name):
+    mirror, camera = AROUND[name]
+    scene = scene_with(mirror, camera=camera)
+    truth, frame = (drawn(scene, method) for method in ("raytrace:truth=raymesh,bounces=1", "trilinear"))
+    assert_same_geometry(truth, frame)
+    assert (truth.specular != frame.specular).sum() <= 5
+    assert measure(truth, frame).flip <= 0.01 or (truth.status == Status.OUTSIDE).any()
+
+
 @pytest.mark.parametrize("shift", [(0.31, -0.47), (-0.45, 0.4)])
 def test_shifted_pixels_show_what_shifted_rays_see(shift):
     scene, camera = cube_scene(), BARE["6.4"]()
@@ -192,7 +225,7 @@ def jittered(size: tuple[int, int], weighted: bool, random: np.random.Generator)
     return replace(rays, picture=np.column_stack([places.reshape(-1, 2) * size, np.ones(121)]) * weight)
 
 
-@pytest.mark.parametrize("radius", [2.0, 50.0, 2000.0])
+@pytest.mark.parametrize("radius", [2.0, 2000.0])
 @pytest.mark.parametrize("weighted", [False, True])
 def test_a_closed_surface_has_no_hole_and_no_overlap(radius, weighted):
     random = np.random.default_rng(int(radius) + weighted)

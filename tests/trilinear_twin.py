@@ -59,7 +59,12 @@ def ray_triangle(rays: str, picture: str, random: np.random.Generator) -> RayTri
     elif rays == "parallel":
         d = d[0] * random.uniform(0.5, 2.0, (3, 1))
     elif rays == "crossing":
-        d = random.normal(size=3) + [0.0, 0.0, 3.0] - o + random.choice([0.0, 1e-9, 0.05]) * random.normal(size=(3, 3))
+        d = (
+            random.normal(size=3)
+            + np.array([0.0, 0.0, 3.0])
+            - o
+            + random.choice([0.0, 1e-9, 0.05]) * random.normal(size=(3, 3))
+        )
     elif rays == "opposed":
         d[1] = -d[0]
     elif rays == "two alike":
@@ -92,7 +97,7 @@ def ray_triangle(rays: str, picture: str, random: np.random.Generator) -> RayTri
 def scene_triangles(
     kind: str, rays: RayTriangles, count: int, random: np.random.Generator
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Triangles (count, 3, 3) that rays of the first ray triangle meet, and picture points (Q, 2) of those that the picture shows."""
+    """Triangles (count, 3, 3) that rays of the first ray triangle meet, and picture points (Q, 2) of such rays."""
     o, d = rays.origins[0], rays.directions[0]
     # Rays that the picture shows: those of corners behind the eye weigh less.
     weights = random.dirichlet([1.0] * 3, count) * np.where(rays.picture[0, :, 2] > 0.0, 1.0, 0.05)
@@ -133,7 +138,7 @@ def picture_points(rays: RayTriangles, count: int, random: np.random.Generator) 
 
 
 def meet(rays: RayTriangles, triangles: np.ndarray, points: np.ndarray) -> Meeting:
-    """What the first ray triangle's rays at picture points (Q, 2) meet of triangles (M, 3, 3), in extended precision."""
+    """What the first ray triangle's rays at points (Q, 2) meet of triangles (M, 3, 3), in extended precision."""
     corners = rays.picture[0].astype(np.longdouble)
     cofactors = np.cross(np.roll(corners, -1, axis=0), np.roll(corners, -2, axis=0))
     determinant = np.vecdot(corners[0], cofactors[0])

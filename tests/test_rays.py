@@ -161,6 +161,15 @@ def test_undefined_rays_miss(way):
     assert (hits.triangle == -1).all()
 
 
+@pytest.mark.parametrize("coherent", [False, True])
+def test_rays_that_hardly_turn_from_an_axis_hit(way, coherent):
+    """Neighbours' directions may be -1e-19 and -0.1 along an axis: those at the poles of a map are, by rounding."""
+    ball = trimesh.creation.icosphere(subdivisions=3)
+    directions = np.column_stack([-1e-19 - np.linspace(0.0, 0.3, 64), np.ones(64), np.full(64, -0.2)])
+    hits = Caster(geometry_of(ball.vertices, ball.faces)).cast(np.zeros((64, 3)), directions, coherent=coherent)
+    assert (hits.triangle >= 0).all()
+
+
 def test_a_closed_mesh_has_no_gap(monkeypatch):
     """From inside a ball, rays at points of shared edges hit one of the two triangles. The wrapper promises less."""
     monkeypatch.setenv("ANAMORPH_RAYS", "embree")

@@ -26,6 +26,8 @@ from anamorph.compiled import compiled, cores
 
 PACKET = 16
 MISS = 0xFFFFFFFF
+LEAST = 1e-18
+"""Embree takes a smaller part of a direction for a positive one of this size; in a packet all rays may then miss."""
 
 # RTCRayHit16 is a structure of arrays: these are the indices of its arrays of 16 words.
 # instPrimID ends it in builds with instance arrays; the spare rows leave room whatever the build.
@@ -229,7 +231,8 @@ def _cast(
             ray = start + min(lane, lanes - 1)
             for axis in range(3):
                 floats[ORIGIN + axis, lane] = origins[ray, axis]
-                floats[DIRECTION + axis, lane] = directions[ray, axis]
+                way = directions[ray, axis]
+                floats[DIRECTION + axis, lane] = 0.0 if abs(way) < LEAST else way
             floats[NEAR, lane] = near[ray]
             floats[FAR, lane] = np.inf
             words[MASK, lane] = MISS

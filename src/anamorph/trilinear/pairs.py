@@ -5,9 +5,10 @@ so has the side on which it passes an edge from a to b of the scene:
 
     E(q) = L . (a x b) - M . (b - a).
 
-Around a scene triangle the three sides add up to N = d . n, linear in q, with n = (b - a) x (c - a). The ray goes
-through the triangle where all three have the sign of N; E / N are the weights of the opposite corners; and
-t = (s a - o) . n / N. That is exact: edges are curved, as conics in the picture, and nothing is projected.
+Around a scene triangle the three sides add up to s N, where N = d . n is linear in q and n = (b - a) x (c - a). The ray
+goes through the triangle where all three have the sign of N, for s > 0 in the ray triangle's part of the picture; their
+shares of their sum are the weights of the opposite corners; and t = (s a - o) . n / N. That is exact: edges are curved,
+as conics in the picture, and nothing is projected.
 
 What remains is to say where in the picture to ask. Over a box a quadratic is at most its tangent at the middle plus a
 bound on its second-order terms: three half-planes that hold all that is seen. Cutting a polygon by them makes its box
@@ -48,7 +49,7 @@ ROUNDING = 8.0 * 2.0**-24
 """What float32 may lose of a quadratic's value, as a share of its terms: eight roundings."""
 
 TERMS = 24
-"""Numbers a pair: the quadratics of its three corners' weights, times N; N; and N (t - near)."""
+"""Numbers a pair: the quadratics of its three corners' weights, times s N; N; and N (t - near)."""
 
 ACROSS, AHEAD = 18, 21
 

@@ -25,8 +25,8 @@ class Plan:
         The ray triangle, by its place in the `Beams`; the scene triangle; and 1 where that is seen from its front.
     terms : (P, 24) float64
         In places relative to the ray triangle's center: six terms (x x, x y, y y, x, y, 1) each of the quadratics whose
-        shares of N are the weights of the scene triangle's corners; three (x, y, 1) of N, and of N (t - near). Inside,
-        none of these is negative.
+        shares of their sum are the weights of the scene triangle's corners; three (x, y, 1) of N, and of N (t - near).
+        Inside, none of these is negative.
     place : (T, 3, 2) float32
         Triangles of the picture, in pixels from the ray triangle's center, which together hold all that is inside.
     owner : (T,) int32

@@ -135,7 +135,7 @@ def _drawn_in(place: np.ndarray, slant: np.ndarray) -> np.ndarray:
     middle = place.mean(axis=1, keepdims=True)
     here = np.einsum("spq,sq->sp", place, slant[:, :2]) + slant[:, 2:]
     mean = here.mean(axis=1, keepdims=True)
-    most = (1.0 - LEAST_SLANT) * mean
+    most = (1.0 - LEAST_SLANT) * np.maximum(mean, 0.0)
     share = np.clip(most / np.maximum(np.maximum(mean - here, most), np.finfo(float).tiny), 0.0, 1.0 - DRAWN_IN)
     return middle + share[..., None] * (place - middle)
 

@@ -242,7 +242,8 @@ def test_what_is_wrong_is_bounded_by_how_much_normals_and_rays_turn(kind, seed):
     random = np.random.default_rng(seed)
     for row in fronts(plan):
         _, directions = errors(beams, plan, np.array([row]), corners, normals, random)
-        turn = np.linalg.norm(normals[plan.pair[row, 1]] - normals[plan.pair[row, 1], :1], axis=-1).max()
+        vertices = normals[plan.pair[row, 1]]
+        turn = np.linalg.norm(vertices - vertices[:, None], axis=-1).max()
         assert directions.max(initial=0.0) <= 1e-9 + 2.5 * turn
 
 

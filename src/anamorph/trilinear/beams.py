@@ -206,8 +206,8 @@ def _planes_of(
     used = np.where(np.arange(part.shape[1]) < corners[:, None], np.arange(part.shape[1]), 0)
     place = np.concatenate([np.take_along_axis(part, used[..., None], axis=1), np.ones((*used.shape, 1))], axis=2)
     s = np.einsum("kcq,kq->kc", place, scale)[..., None]
-    starts = np.einsum("kcq,kxq->kcx", place, origin) / s + anchor[:, None]
-    return beam_planes(starts, np.einsum("kcq,kxq->kcx", place, direction), np.arange(4) * corners[:, None] // 4)
+    starts = place @ origin.swapaxes(1, 2) / s + anchor[:, None]
+    return beam_planes(starts, place @ direction.swapaxes(1, 2), np.arange(4) * corners[:, None] // 4)
 
 
 def _cut(

@@ -12,6 +12,7 @@ from anamorph.trilinear.beams import make_beams
 from anamorph.trilinear.following import following_rays
 from anamorph.trilinear.pairs import ALL, Own, Triangles
 from anamorph.trilinear.plan import Plan, Planner
+from anamorph.trilinear.samples import LEAST_EXTENT, OUTSIDE, samples
 from anamorph.trilinear.tree import make_tree
 
 SIZE = (400, 400)
@@ -232,6 +233,27 @@ def test_following_rays_of_any_pair(kind, seed):
         if kind in ("any", "flat", "parallel", "pinhole"):
             _, away, _, _ = reflected(beams, k, places, corners[face], normals[face])
             assert np.allclose(units(found.directions[row]), away, atol=1e-9)
+
+
+@QUICK
+@given(st.sampled_from(KINDS), st.integers(0, 2**32 - 1))
+def test_samples_stand_for_the_region(kind, seed):
+    beams, corners, _ = case(kind, seed)
+    plan = plan_of(beams, corners)
+    place, box = samples(plan, np.arange(len(plan.pair)))
+    for row in range(len(plan.pair)):
+        pieces = plan.place[plan.owner == row].reshape(-1, 2).astype(float)
+        assert (box[row] == [*pieces.min(axis=0), *pieces.max(axis=0)]).all()
+        (x1, y1), (x2, y2), (x3, y3) = place[row]
+        length = np.hypot(x2 - x1, y2 - y1)
+        width = abs((x2 - x1) * (y3 - y1) - (x3 - x1) * (y2 - y1)) / length
+        assert min(length, width) >= LEAST_EXTENT * (1.0 - 1e-9)
+        # In slivers there may be no place inside among those that are tried.
+        if min(length, width) > 4.0 * LEAST_EXTENT:
+            x, y = place[row].T
+            powers = np.stack([x * x, x * y, y * y, x, y, np.ones(3)])
+            sides, across = plan.terms[row, :18].reshape(3, 6) @ powers, plan.terms[row, 18:21] @ powers[3:]
+            assert (sides >= 1.001 * OUTSIDE * across).all()
 
 
 @QUICK

@@ -1,9 +1,9 @@
 """The rays that go on from a mirror seen in a mirror: one more ray triangle for each pair of the plan.
 
 Through picture point q a ray triangle's ray meets the plane of mirror triangle m at P(q), and is reflected there to
-r(q) = d - 2 (d . n) n, by normals n interpolated on m. Of the pair's region three sample points q_i are taken, with the
-rays (P_i, r_i) there. Their lengths are left as the incident d(q), linear in q, makes them; and N_i is N(q), d times
-the normal of m's plane, there. With the barycentric coordinates L_i(q) of q in the three,
+r(q) = d - 2 (d . n) n, by normals n interpolated on m. Three sample points q_i stand for the pair's region (`samples`),
+with the rays (P_i, r_i) there. Their lengths are left as the incident d(q), linear in q, makes them; and N_i is N(q),
+d times the normal of m's plane, there. With the barycentric coordinates L_i(q) of q in the three,
 
     o'(q) = sum L_i N_i P_i,    d'(q) = sum L_i r_i,    s'(q) = sum L_i N_i = N(q),
 
@@ -29,15 +29,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from anamorph.compiled import compiled, inlined
 from anamorph.trilinear.beams import Beams
 from anamorph.trilinear.plan import Plan
+from anamorph.trilinear.samples import samples
 
 DRAWN_IN = 1.0 / 32.0
 """By how much of the way to the middle samples are moved in from the corners of a region."""
-
-LEAST_EXTENT = 1.0 / 8.0
-"""Pixels that samples are apart at least, and the third from the line through the others: slivers may be thinner."""
 
 LEAST_SLANT = 1.0 / 16.0
 """Samples move in until N is at least this share of what it is in their middle."""
@@ -85,7 +82,7 @@ def following_rays(beams: Beams, plan: Plan, chosen: np.ndarray, corners: np.nda
     Following
     """
     chosen = np.asarray(chosen, np.int64)
-    place, box = _samples(plan, chosen)
+    place, box = samples(plan, chosen)
     ray, face, side = plan.pair[chosen].T
     center, anchor = beams.center[ray], beams.anchor[ray]
     a, b, c = np.moveaxis(np.asarray(corners, float)[face] - anchor[:, None], 1, 0)
@@ -147,53 +144,3 @@ def _weights(point: np.ndarray, a: np.ndarray, b: np.ndarray, c: np.ndarray, nor
     second = np.einsum("spi,si->sp", offset, np.cross(c - a, normal)) / square
     third = np.einsum("spi,si->sp", offset, np.cross(normal, b - a)) / square
     return np.stack([1.0 - second - third, second, third], axis=-1)
-
-
-def _samples(plan: Plan, chosen: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Three places (S, 3, 2) spread over the pieces of each pair, and their box (S, 4), relative to the center."""
-    first, stop = np.searchsorted(plan.owner, chosen, "left"), np.searchsorted(plan.owner, chosen, "right")
-    place, box = np.empty((len(chosen), 3, 2)), np.empty((len(chosen), 4))
-    _spread(plan.place.reshape(-1, 2), 3 * first, 3 * stop, place, box)
-    return place, box
-
-
-@compiled
-def _spread(corners: np.ndarray, first: np.ndarray, stop: np.ndarray, place: np.ndarray, box: np.ndarray) -> None:
-    for s in range(len(first)):
-        low_x, low_y, high_x, high_y = np.inf, np.inf, -np.inf, -np.inf
-        for k in range(first[s], stop[s]):
-            x, y = corners[k, 0], corners[k, 1]
-            low_x, high_x, low_y, high_y = min(low_x, x), max(high_x, x), min(low_y, y), max(high_y, y)
-        if first[s] == stop[s]:
-            low_x, low_y, high_x, high_y = 0.0, 0.0, 0.0, 0.0
-        box[s, 0], box[s, 1], box[s, 2], box[s, 3] = low_x, low_y, high_x, high_y
-        x0, y0 = 0.5 * (low_x + high_x), 0.5 * (low_y + high_y)
-        x1, y1 = _farthest(corners, first[s], stop[s], x0, y0)
-        x2, y2 = _farthest(corners, first[s], stop[s], x1, y1)
-        length = np.hypot(x2 - x1, y2 - y1)
-        if length < LEAST_EXTENT:
-            x2, y2, length = x1 + LEAST_EXTENT, y1, LEAST_EXTENT
-        across_x, across_y = (y1 - y2) / length, (x2 - x1) / length
-        x3, y3, width = 0.5 * (x1 + x2), 0.5 * (y1 + y2), 0.0
-        for k in range(first[s], stop[s]):
-            x, y = corners[k, 0], corners[k, 1]
-            off = across_x * (x - x1) + across_y * (y - y1)
-            if abs(off) > abs(width):
-                x3, y3, width = x, y, off
-        if abs(width) < LEAST_EXTENT:
-            more = (LEAST_EXTENT if width >= 0.0 else -LEAST_EXTENT) - width
-            x3, y3 = x3 + more * across_x, y3 + more * across_y
-        place[s, 0, 0], place[s, 0, 1] = x1, y1
-        place[s, 1, 0], place[s, 1, 1] = x2, y2
-        place[s, 2, 0], place[s, 2, 1] = x3, y3
-
-
-@inlined
-def _farthest(corners: np.ndarray, first: int, stop: int, x: float, y: float) -> tuple[float, float]:
-    """Of some corners, or the place itself where there are none."""
-    far_x, far_y, most = x, y, 0.0
-    for k in range(first, stop):
-        square = (corners[k, 0] - x) ** 2 + (corners[k, 1] - y) ** 2
-        if square > most:
-            far_x, far_y, most = np.float64(corners[k, 0]), np.float64(corners[k, 1]), square
-    return far_x, far_y

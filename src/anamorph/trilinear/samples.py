@@ -20,6 +20,9 @@ OUTSIDE = -0.25
 HALVINGS = 6
 """Of a corner's way from the place inside, before it is that place itself."""
 
+STEPS = 8
+"""Along a piece's side, in search of a place inside."""
+
 LEAST_EXTENT = 1.0 / 8.0
 """Pixels that samples are apart at least, and the third from the line through the others: slivers may be thinner."""
 
@@ -63,7 +66,7 @@ def _least_weight(terms: np.ndarray, x: float, y: float) -> float:
 
 @inlined
 def _inside(terms: np.ndarray, corners: np.ndarray, first: int, stop: int) -> tuple[float, float]:
-    """The middle of some triangles' corners, or, where that is outside, what of them is most inside."""
+    """The middle of some triangles' corners, or, where that is outside, what place in them is most inside."""
     x, y = 0.0, 0.0
     for k in range(first, stop):
         x, y = x + corners[k, 0] / (stop - first), y + corners[k, 1] / (stop - first)
@@ -71,12 +74,13 @@ def _inside(terms: np.ndarray, corners: np.ndarray, first: int, stop: int) -> tu
     if most >= 0.0:
         return x, y
     for k in range(first, stop, 3):
-        for i in range(7):
-            # Corners, middles of sides, and the middle.
-            a, b, c = (i + 1) & 1, ((i + 1) >> 1) & 1, (i + 1) >> 2
-            share = 1.0 / (a + b + c)
-            other_x = share * (a * corners[k, 0] + b * corners[k + 1, 0] + c * corners[k + 2, 0])
-            other_y = share * (a * corners[k, 1] + b * corners[k + 1, 1] + c * corners[k + 2, 1])
+        for i in range((STEPS + 1) ** 2):
+            b, c = i % (STEPS + 1) / STEPS, i // (STEPS + 1) / STEPS
+            if b + c > 1.0:
+                continue
+            a = 1.0 - b - c
+            other_x = a * corners[k, 0] + b * corners[k + 1, 0] + c * corners[k + 2, 0]
+            other_y = a * corners[k, 1] + b * corners[k + 1, 1] + c * corners[k + 2, 1]
             least = _least_weight(terms, other_x, other_y)
             if least > most:
                 x, y, most = other_x, other_y, least

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from hypothesis import Phase, given, settings
+from hypothesis import Phase, example, given, settings
 from hypothesis import strategies as st
 
 from anamorph.errors import AnamorphError
@@ -262,6 +262,7 @@ def least_weights(terms, places):
     return np.where(across > 0.0, sides.min(axis=0) / np.where(across > 0.0, across, 1.0), -np.inf)
 
 
+@example("any", 83150019)
 @QUICK
 @given(st.sampled_from(["any", "flat", "parallel", "nearly parallel", "pinhole"]), st.integers(0, 2**32 - 1))
 def test_what_is_wrong_is_bounded_by_how_much_normals_and_rays_turn(kind, seed):
@@ -297,20 +298,20 @@ def test_nothing_follows_from_nothing():
 
 def random_domain(seed):
     random = np.random.default_rng(seed)
-    beams, corners, _ = case(KINDS[seed % 5], seed)
+    beams, _, _ = case(KINDS[seed % 5], seed)
     place = random.uniform(50.0, 350.0, (3, 2))
     weights = random.uniform(0.3, 3.0, 3)
     picture = np.column_stack([place, np.ones(3)]) * weights[:, None]
     start, direction, _ = rays_of(beams, 0, place)
     low, high = np.sort(random.uniform(-50.0, 450.0, (2, 2)), axis=0)
     domain = np.array([low, [high[0], low[1]], high, [low[0], high[1]]])
-    return picture[None], start[None], direction[None], domain[None], corners, random
+    return picture[None], start[None], direction[None], domain[None], random
 
 
 @QUICK
 @given(st.integers(0, 2**32 - 1))
 def test_a_given_part_of_the_picture_is_seen_whole(seed):
-    picture, origins, directions, domain, corners, random = random_domain(seed)
+    picture, origins, directions, domain, random = random_domain(seed)
     beams = make_beams(picture, origins, directions, SIZE, domain=domain)
     if not len(beams.number):
         return
@@ -318,8 +319,10 @@ def test_a_given_part_of_the_picture_is_seen_whole(seed):
     places = places[((places > 0.0) & (places < SIZE)).all(axis=1)]
     start, direction, scale = rays_of(beams, 0, places)
     known = scale > 2e-3 * rays_of(beams, 0, domain[0])[2].max()
+    start, direction, places = start[known][:40], direction[known][:40], places[known][:40]
+    middles = start + random.exponential(2.0, (len(start), 1)) * direction
+    corners = middles[:, None] + 0.1 * random.normal(size=(len(start), 3, 3))
     plan = plan_of(beams, corners)
-    start, direction, places = start[known], direction[known], places[known]
     for face, (a, b, c) in enumerate(corners):
         matrix = np.stack(np.broadcast_arrays(b - a, c - a, -direction), axis=-1)
         u, v, t = np.linalg.solve(matrix, (start - a)[..., None])[..., 0].T
@@ -339,7 +342,7 @@ def holds(triangles, places):
 
 @pytest.mark.parametrize("kind", ["any", "pinhole", "nearly parallel"])
 def test_over_its_own_corners_a_given_part_changes_nothing(kind):
-    picture, origins, directions, _, _, _ = random_domain(KINDS.index(kind) + 5)
+    picture, origins, directions, _, _ = random_domain(KINDS.index(kind) + 5)
     own = picture[..., :2] / picture[..., 2:]
     plain, given = (
         make_beams(picture, origins, directions, SIZE),
@@ -367,7 +370,7 @@ def test_a_given_part_ends_where_the_scale_does():
 
 
 def test_given_parts_want_rays_too():
-    picture, origins, directions, _, _, _ = random_domain(5)
+    picture, origins, directions, _, _ = random_domain(5)
     with pytest.raises(AnamorphError, match="directions are 0"):
         make_beams(
             picture, origins, 0.0 * directions, SIZE, domain=np.array([[[0, 0], [400, 0], [400, 400], [0, 400]]])

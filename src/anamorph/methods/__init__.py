@@ -9,7 +9,9 @@ from anamorph.errors import AnamorphError, nearest
 from anamorph.methods import environment, pervertex, raytrace, trilinear
 from anamorph.methods.protocol import Method, Session
 
-METHODS: dict[str, Method] = {module.METHOD.name: module.METHOD for module in (raytrace, environment, pervertex, trilinear)}
+METHODS: dict[str, Method] = {
+    module.METHOD.name: module.METHOD for module in (raytrace, environment, pervertex, trilinear)
+}
 
 __all__ = ["METHODS", "Method", "Session", "make_options", "parse", "with_option"]
 

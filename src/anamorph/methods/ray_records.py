@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 
+from anamorph.methods.ray_sources import Rays
 from anamorph.projection import camera_projection
 from anamorph.scene.camera import Camera
 from anamorph.trilinear.beams import Beams
 from anamorph.trilinear.plan import Plan
 from anamorph.trilinear.straight import StraightPieces
-from anamorph.methods.ray_sources import Rays
 
 PAIR = np.dtype([("terms", "f4", 24), ("center", "f4", 2), ("ray_triangle", "u4"), ("seen", "u4")])
 

@@ -109,7 +109,7 @@ class Sources:
         self.group = np.zeros(len(geometry.faces), np.int32)
         self.normals = np.asarray(geometry.normals, float)[geometry.faces]
         self._surfaces: list[_Surface] = []
-        lenses = []
+        lenses: list[list[list[float]]] = []
         for number, body in enumerate(connected_mirrors(scene), start=1):
             for mesh in body:
                 optics = reflector(scene.meshes[mesh])

@@ -120,7 +120,9 @@ class TrilinearDrawing:
     def _line(self, mask: int) -> _Line:
         stage, options = self._stage, self._options
         straight, fine = options.edges == "straight", options.antialias > 1
-        kind = Kind(self._bare, bool(len(self._sources.lenses)) and not self._bare, bool(self._sources.group.any()), straight)
+        kind = Kind(
+            self._bare, bool(len(self._sources.lenses)) and not self._bare, bool(self._sources.group.any()), straight
+        )
         visibility = Visibility(stage.buffers, self._lenses, stage.view.size, self._bare, fine, straight)
         return _Line(visibility, Coloring(stage.buffers, visibility, self._colors, kind, mask))
 

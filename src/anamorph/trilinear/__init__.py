@@ -9,6 +9,7 @@ and directions n (3, 3), the directions of any length; in between, both are inte
 | 3.6, A.3 | what does not depend on the point: the triangle's frame and its cubics' coefficients | `coefficients` |
 | 3.3 | all real roots of a cubic of any degree | `cubic` |
 | 3.1 to 3.5, 3.8 | the rays that pass through a point | `points`: `project_points` |
+| 3.6 | the same on the graphics device, not imported here | `device`: `project_points_on_device` |
 | 3.7 | which points, and which boxes, no ray meets | `sides`: `side_surfaces`; `boxes`: `bounding_planes` |
 | 4.2, 4.3 | the order in which projected corners are joined | `connect` |
 | 4.1, 4.6 | a scene triangle's shapes, and what of them lies before the origins | `shapes`: `project_triangle` |

@@ -1,8 +1,8 @@
 """Ray triangles as functions of the picture: what a pixel's ray is, and which part of the picture is theirs.
 
 At the picture point q = (x, y, 1) the weights of the three rays are linear in q, up to a common factor that cancels:
-W = q P^-1, where the rows of P are the homogeneous picture corners (x w, y w, w). So the ray's origin, its direction and
-the sum of the weights are linear in q as well:
+W = q P^-1, where the rows of P are the homogeneous picture corners (x w, y w, w). So the ray's origin, its direction
+and the sum of the weights are linear in q as well:
 
     o(q) = sum W_i o_i,    d(q) = sum W_i d_i,    s(q) = sum W_i,    the ray is o / s + t d / s,
 
@@ -18,13 +18,17 @@ from typing import NamedTuple
 
 import numpy as np
 
-from anamorph.trilinear.boxes import SLACK, bounding_planes
+from anamorph.trilinear.boxes import SLACK, BoundingPlanes, beam_planes, bounding_planes
+from anamorph.trilinear.coefficients import checked
 
 PADDING = 1.0 / 32.0
 """Pixels by which whatever is drawn reaches beyond what must be: more than rounding and the rasterizer's grid take."""
 
 MOST_CORNERS = 8
 """Of the picture's rectangle after three cuts, with one to spare."""
+
+LEAST_SCALE = 2.0**-10
+"""A given part of the picture is cut off where s falls below this share of its most: there the rays are none."""
 
 FLAT = 1e-9
 """A ray triangle whose picture is thinner than this, as a share of its length, covers no pixel."""
@@ -55,19 +59,24 @@ class Beams(NamedTuple):
     moment: np.ndarray
     """(K, 6, 3) float64: d x o."""
     domain: np.ndarray
-    """(K, 8, 2) float64: the corners of the part of the picture that is its own, a little enlarged."""
+    """(K, C, 2) float64: the corners of the part of the picture that is its own, a little enlarged."""
     corners: np.ndarray
     """(K,) int64: how many corners that has."""
     normals: np.ndarray
-    """(K, 32, 3) float64: see `BoundingPlanes`."""
+    """(K, N, 3) float64: see `BoundingPlanes`."""
     distances: np.ndarray
-    """(K, 32) float64: relative to the world's origin, less their slack."""
+    """(K, N) float64: relative to the world's origin, less their slack."""
     near: np.ndarray
     """(K,) float64: the t from which on things are seen."""
 
 
 def make_beams(
-    picture: np.ndarray, origins: np.ndarray, directions: np.ndarray, size: tuple[int, int], near: float = 0.0
+    picture: np.ndarray,
+    origins: np.ndarray,
+    directions: np.ndarray,
+    size: tuple[int, int],
+    near: float = 0.0,
+    domain: np.ndarray | None = None,
 ) -> Beams:
     """The ray triangles that have a part in a picture.
 
@@ -81,6 +90,9 @@ def make_beams(
         Of the picture, pixels.
     near : float
         What is nearer than this, along its ray, is not seen; metres.
+    domain : (K, C, 2) array, optional
+        Corners of a convex part of the picture, pixels, in either order around it, that each ray triangle has in place
+        of its own: its rays go on beyond its corners, as far as s is positive. One without an area is not shown.
 
     Raises
     ------
@@ -88,20 +100,26 @@ def make_beams(
         If a number is not finite, or all directions of a ray triangle are 0.
     """
     picture = np.asarray(picture, float)
+    start = np.zeros((len(picture), 2)) if domain is None else np.rint(np.mean(domain, axis=1))
+    # Near its own place a small triangle keeps its digits.
+    picture = picture - picture[..., 2:] * np.pad(start, ((0, 0), (0, 1)))[:, None]
     length = np.linalg.norm(picture, axis=-1)
     flat = np.abs(np.linalg.det(picture)) <= FLAT * np.prod(length, axis=-1) / max(*size, 1)
     inverse = np.linalg.inv(np.where(flat[:, None, None], np.eye(3), picture))
-    domain, corners = _domains(inverse, size)
+    if domain is None:
+        part, corners = _domains(inverse, size)
+    else:
+        part, corners = _given_domains(np.asarray(domain, float) - start[:, None], inverse.sum(axis=2), start, size)
     shown = np.flatnonzero(~flat & (corners >= 3))
     picture, origins, directions = (
         picture[shown],
         np.asarray(origins, float)[shown],
         np.asarray(directions, float)[shown],
     )
-    inverse, domain, corners = inverse[shown], domain[shown], corners[shown]
+    inverse, part, corners, start = inverse[shown], part[shown], corners[shown], start[shown]
 
-    some = np.arange(domain.shape[1]) < corners[:, None]
-    middle = np.where(some[..., None], domain, 0.0).sum(axis=1) / np.maximum(corners, 1)[:, None]
+    some = np.arange(part.shape[1]) < corners[:, None]
+    middle = np.where(some[..., None], part, 0.0).sum(axis=1) / np.maximum(corners, 1)[:, None]
     center = np.rint(middle)
     inverse = inverse.copy()
     inverse[:, 2] += np.einsum("ki,kij->kj", center, inverse[:, :2])
@@ -114,11 +132,16 @@ def make_beams(
     scale = inverse.sum(axis=2)
     pace = np.linalg.norm(directions, axis=-1).max(axis=-1, initial=0.0)
     near_t = near / np.maximum(pace, np.finfo(float).tiny)
-    planes = bounding_planes(origins, directions)
+    part = part - center[:, None]
+    if domain is None:
+        planes = bounding_planes(origins, directions)
+    else:
+        checked(origins, directions)
+        planes = _planes_of(part, corners, origin, direction, scale, anchor)
     slack = planes.slack + SLACK * np.abs(planes.distances)
     return Beams(
         number=shown.astype(np.int32),
-        center=center,
+        center=start + center,
         anchor=anchor,
         weights=inverse,
         origin=np.ascontiguousarray(origin),
@@ -126,7 +149,7 @@ def make_beams(
         scale=scale,
         line=_products(np.einsum("kxq,kr->kqrx", direction, scale)),
         moment=_products(np.cross(direction.swapaxes(1, 2)[:, :, None], origin.swapaxes(1, 2)[:, None])),
-        domain=domain - center[:, None],
+        domain=part,
         corners=corners,
         normals=planes.normals,
         distances=planes.distances - slack,
@@ -155,11 +178,47 @@ def _domains(inverse: np.ndarray, size: tuple[int, int]) -> tuple[np.ndarray, np
     return polygon, corners
 
 
+def _given_domains(
+    domain: np.ndarray, scale: np.ndarray, start: np.ndarray, size: tuple[int, int]
+) -> tuple[np.ndarray, np.ndarray]:
+    """Given domains (K, C, 2), relative to `start`, as far as the picture goes and s is positive: see `_domains`."""
+    count, given = domain.shape[:2]
+    following = np.roll(domain, -1, axis=1)
+    extent = np.sum(domain[..., 0] * following[..., 1] - domain[..., 1] * following[..., 0], axis=1)
+    most = (np.einsum("kci,ki->kc", domain, scale[:, :2]) + scale[:, 2:]).max(axis=1)
+    polygon = np.zeros((count, given + 6, 2))
+    polygon[:, :given] = domain
+    corners = np.where((extent != 0.0) & (most > 0.0), given, 0)
+    for axis in range(2):
+        outward = np.zeros((count, 2))
+        outward[:, axis] = 1.0
+        polygon, corners = _cut(polygon, corners, outward, start[:, axis] + 1.0)
+        polygon, corners = _cut(polygon, corners, -outward, size[axis] + 1.0 - start[:, axis])
+    return _cut(polygon, corners, scale[:, :2], scale[:, 2] - LEAST_SCALE * most)
+
+
+def _planes_of(
+    part: np.ndarray,
+    corners: np.ndarray,
+    origin: np.ndarray,
+    direction: np.ndarray,
+    scale: np.ndarray,
+    anchor: np.ndarray,
+) -> BoundingPlanes:
+    """The planes of all rays in parts (K, C, 2) of the picture: those at a part's corners hold all others."""
+    used = np.where(np.arange(part.shape[1]) < corners[:, None], np.arange(part.shape[1]), 0)
+    place = np.concatenate([np.take_along_axis(part, used[..., None], axis=1), np.ones((*used.shape, 1))], axis=2)
+    s = np.einsum("kcq,kq->kc", place, scale)[..., None]
+    starts = place @ origin.swapaxes(1, 2) / s + anchor[:, None]
+    return beam_planes(starts, place @ direction.swapaxes(1, 2), np.arange(4) * corners[:, None] // 4)
+
+
 def _cut(
     polygon: np.ndarray, corners: np.ndarray, gradient: np.ndarray, offset: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """What of convex polygons (K, 8, 2) has gradient . place + offset >= 0."""
-    rows, slots = np.arange(len(polygon)), np.arange(MOST_CORNERS)
+    """What of convex polygons (K, C, 2) has gradient . place + offset >= 0."""
+    count, room = polygon.shape[:2]
+    rows, slots = np.arange(count), np.arange(room)
     following = np.where(slots + 1 < corners[:, None], slots + 1, 0)
     height = np.einsum("ksi,ki->ks", polygon, gradient) + offset[:, None]
     ahead = height[rows[:, None], following]
@@ -168,7 +227,7 @@ def _cut(
     # Each corner gives up to two: itself, and the crossing that follows.
     share = np.where(crosses, height / np.where(crosses, height - ahead, 1.0), 0.0)
     crossing = polygon + share[..., None] * (polygon[rows[:, None], following] - polygon)
-    both = np.stack([polygon, crossing], axis=2).reshape(len(polygon), 2 * MOST_CORNERS, 2)
-    wanted = np.stack([kept, crosses], axis=2).reshape(len(polygon), 2 * MOST_CORNERS)
-    order = np.argsort(~wanted, axis=1, kind="stable")[:, :MOST_CORNERS]
+    both = np.stack([polygon, crossing], axis=2).reshape(count, 2 * room, 2)
+    wanted = np.stack([kept, crosses], axis=2).reshape(count, 2 * room)
+    order = np.argsort(~wanted, axis=1, kind="stable")[:, :room]
     return both[rows[:, None], order], wanted.sum(axis=1)

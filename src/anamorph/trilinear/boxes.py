@@ -31,10 +31,10 @@ class BoundingPlanes:
 
     Parameters
     ----------
-    normals : (..., 32, 3) float64
-        Unit vectors; 0 for a plane that does not bound the ray triangle.
-    distances : (..., 32) float64
-    slack : (..., 32) float64
+    normals : (..., N, 3) float64
+        Unit vectors; 0 for a plane that does not bound the ray triangle. 32 for a ray triangle.
+    distances : (..., N) float64
+    slack : (..., N) float64
         What rounding may have done to the distances.
     """
 
@@ -79,28 +79,58 @@ def bounding_planes(origins: np.ndarray, directions: np.ndarray, near: float = 0
         If a number is not finite, or all directions of a ray triangle are 0.
     """
     origins, directions = checked(origins, directions)
-    starts = origins + near * directions
-    sides = np.roll(starts, -1, axis=-2) - starts
-    along = directions / np.maximum(np.linalg.norm(directions, axis=-1, keepdims=True), np.finfo(float).tiny)
+    return _planes(origins + near * directions, _units(directions), np.arange(3))
+
+
+def beam_planes(origins: np.ndarray, directions: np.ndarray, around: np.ndarray) -> BoundingPlanes:
+    """The planes of all rays that are mixtures, with weights that are not negative, of some given ones.
+
+    Parameters
+    ----------
+    origins, directions : (K, C, 3) array
+        A row for each of the given rays.
+    around : (K, 4) int array
+        Four of them, in the order in which they go around the others: the planes tried lie along their hull.
+
+    Returns
+    -------
+    BoundingPlanes
+        40 for each.
+    """
+    return _planes(origins, _units(directions), around)
+
+
+def _units(directions: np.ndarray) -> np.ndarray:
+    return directions / np.maximum(np.linalg.norm(directions, axis=-1, keepdims=True), np.finfo(float).tiny)
+
+
+def _planes(starts: np.ndarray, along: np.ndarray, around: np.ndarray) -> BoundingPlanes:
+    """The planes of rays (..., C, 3) from where they start along unit vectors, tried along those that are around."""
+    if around.ndim == 1:
+        corner, edge = starts[..., around, :], along[..., around, :]
+    else:
+        corner, edge = (np.take_along_axis(some, around[..., None], axis=-2) for some in (starts, along))
+    sides = np.roll(corner, -1, axis=-2) - corner
     candidates = np.concatenate(
         [
-            np.cross(along, np.roll(along, -1, axis=-2)),
-            *(np.cross(sides, np.roll(along, k, axis=-2)) for k in range(3)),
+            np.cross(edge, np.roll(edge, -1, axis=-2)),
+            *(np.cross(sides, np.roll(edge, k, axis=-2)) for k in (0, 1, -1)),
             np.cross(sides[..., :1, :], sides[..., 1:2, :]),
-            np.broadcast_to(np.eye(3), sides.shape),
+            np.broadcast_to(np.eye(3), (*sides.shape[:-2], 3, 3)),
         ],
         axis=-2,
     )
     lengths = np.linalg.norm(candidates, axis=-1, keepdims=True)
     normals = candidates / np.where(lengths > 0.0, lengths, 1.0)
     normals = np.concatenate([normals, -normals], axis=-2)
-    ahead = np.einsum("...pi,...ki->...pk", normals, along).min(axis=-1)
+    # Of a product of small matrices numpy takes least time to find the least along rows.
+    ahead = (along @ normals.swapaxes(-1, -2)).min(axis=-2)
     # Running against a plane by a rounding error leads past it by less than the slack, unless opposed directions leave
     # so short a ray between them that t grows out of proportion to the way.
     middle = along.mean(axis=-2, keepdims=True)
-    opposed = np.einsum("...ki,...ji->...k", along, middle).min(axis=-1) < OPPOSED
+    opposed = np.sum(along * middle, axis=-1).min(axis=-1) < OPPOSED
     rounding = 4.0 * np.finfo(float).eps
     normals = np.where((ahead >= np.where(opposed, rounding, -rounding)[..., None])[..., None], normals, 0.0)
-    distances = np.einsum("...pi,...ki->...pk", normals, starts).min(axis=-1)
+    distances = (starts @ normals.swapaxes(-1, -2)).min(axis=-2)
     reach = np.linalg.norm(starts, axis=-1).max(axis=-1)
     return BoundingPlanes(normals, distances, np.broadcast_to(SLACK * reach[..., None], distances.shape))

@@ -196,7 +196,7 @@ def _planes(origins: np.ndarray, directions: np.ndarray) -> np.ndarray:
 
 
 def _without_common_factors(planes: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """The planes divided by (t - t0) for every t0 at which the parametric triangle is a line, what that drops, and t0."""
+    """The planes divided by (t - t0) for each t0 at which the parametric triangle is a line, what that drops, t0."""
     remains, lines = np.zeros(planes.shape[:-2]), []
     for _ in range(2):
         t0, exists = _line(planes)

@@ -32,4 +32,6 @@ def small_triangle(corners: np.ndarray, steps: int, which: int, points: np.ndarr
         within[k, 0], within[k, 1] = (down - across) / steps, across / steps
         first = (steps - down) / steps
         for axis in range(3):
-            points[k, axis] = first * corners[0, axis] + within[k, 0] * corners[1, axis] + within[k, 1] * corners[2, axis]
+            points[k, axis] = (
+                first * corners[0, axis] + within[k, 0] * corners[1, axis] + within[k, 1] * corners[2, axis]
+            )

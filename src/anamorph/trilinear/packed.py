@@ -11,6 +11,8 @@ which is quadratic in t; its vectors that do not depend on a and b are kept here
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from anamorph.compiled import inlined
@@ -63,8 +65,8 @@ def packed(frame: RayTriangleFrame, picture: np.ndarray) -> np.ndarray:
         (PICTURE, picture),
         *((SIDES + SIDE * edge, _swept(starts, changes, edge)) for edge in range(3)),
     ):
-        flat = np.asarray(numbers, float).reshape(len(rows), -1)
-        rows[:, first : first + flat.shape[1]] = flat
+        width = math.prod(numbers.shape[1:])
+        rows[:, first : first + width] = numbers.reshape(len(rows), width)
     return rows
 
 

@@ -1,6 +1,6 @@
 """Which scene triangles a ray triangle sees, exactly where, and within which pieces of the picture. Compiled.
 
-In a ray triangle, the ray of a picture point q = (x, y, 1) has Pluecker coordinates (L, M) quadratic in q (`beams`), and
+In a ray triangle, the ray of a picture point q = (x, y, 1) has Pluecker coordinates (L, M) quadratic in q (`beams`);
 so has the side on which it passes an edge from a to b of the scene:
 
     E(q) = L . (a x b) - M . (b - a).

@@ -25,6 +25,17 @@ def cubic_value(c: Cubic, t: float) -> float:
     return c[0] + t * (c[1] + t * (c[2] + t * c[3]))
 
 
+@inlined
+def insert(ascending: np.ndarray, count: int, t: float) -> int:
+    """Put t in its place among the first `count`."""
+    k = count
+    while k > 0 and ascending[k - 1] > t:
+        ascending[k] = ascending[k - 1]
+        k -= 1
+    ascending[k] = t
+    return count + 1
+
+
 @compiled
 def cubic_roots(c: Cubic, noise: float, reach: float, found: np.ndarray) -> int:
     """Up to three roots in ascending order into `found` (8,), and how many; as `cubic.real_roots`."""
@@ -35,7 +46,7 @@ def cubic_roots(c: Cubic, noise: float, reach: float, found: np.ndarray) -> int:
     if near_crossed + far_crossed <= 1:
         touch = near_touch if not math.isnan(near_touch) else far_touch
         if math.isfinite(touch):
-            count = _insert(found, _insert(found, count, touch), touch)
+            count = insert(found, insert(found, count, touch), touch)
     return min(count, 3)
 
 
@@ -48,17 +59,6 @@ def quadratic_roots(c0: float, c1: float, c2: float) -> tuple[float, float]:
     # The sum that does not cancel; the other root is the product of the roots divided by this one.
     larger = -0.5 * (c1 + math.copysign(math.sqrt(inside), c1))
     return larger / c2, c0 / larger
-
-
-@inlined
-def _insert(found: np.ndarray, count: int, t: float) -> int:
-    """Put t in its place among the first `count`."""
-    k = count
-    while k > 0 and found[k - 1] > t:
-        found[k] = found[k - 1]
-        k -= 1
-    found[k] = t
-    return count + 1
 
 
 @compiled
@@ -92,7 +92,7 @@ def _half(
             if reach < math.inf:
                 root = _reciprocal(root, reach)
             if root < math.inf:
-                count = _insert(found, count, root)
+                count = insert(found, count, root)
         low, below, crossed_before, value_before = high, above, crosses, value
     return count, crossed, touch
 

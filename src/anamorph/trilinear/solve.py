@@ -40,7 +40,7 @@ POINT, BEFORE, AFTER, COUNT, ROOTS, ROOT = 0, 3, 4, 5, 6, 4
 roots it has, and for each of them the frame's t, u, v and what is known of the ray:"""
 
 NOWHERE, FAR, VALID = 0.0, 1.0, 2.0
-"""No ray: the parametric triangle is a line or a point there; a ray that float64 cannot tell to `REACH`; a valid one."""
+"""No ray, for the parametric triangle is a line or a point there; a ray that float64 cannot tell to `REACH`; a ray."""
 
 WORDS = 18
 

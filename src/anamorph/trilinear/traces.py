@@ -17,8 +17,8 @@ import numpy as np
 
 from anamorph.compiled import compiled, inlined
 from anamorph.trilinear.chains import CORNER, EDGE, OPEN, WHICH, link_t
-from anamorph.trilinear.packed import MEAN, SIDE, SIDES, Vector, cross, dot, normal, plus, three
-from anamorph.trilinear.roots import quadratic_roots
+from anamorph.trilinear.packed import MEAN, SIDE, SIDES, cross, dot, normal, plus, three
+from anamorph.trilinear.roots import insert, quadratic_roots
 from anamorph.trilinear.solve import NOWHERE, ROOT, ROOTS, ray_through
 
 T, U, V, SECOND, THIRD = range(5)
@@ -48,22 +48,12 @@ def side_crossings(row: np.ndarray, solved: np.ndarray, cuts: np.ndarray) -> Non
                 dot(along, three(row, first + 3)) + dot(moment, three(row, first + 12)),
                 dot(along, three(row, first + 6)),
             )
-            count = _sorted_in(cuts, edge, count, one)
-            count = _sorted_in(cuts, edge, count, other)
+            if math.isfinite(one):
+                count = insert(cuts[edge], count, one)
+            if math.isfinite(other):
+                count = insert(cuts[edge], count, other)
         for k in range(count, CUTS):
             cuts[edge, k] = math.inf
-
-
-@inlined
-def _sorted_in(cuts: np.ndarray, edge: int, count: int, t: float) -> int:
-    if not math.isfinite(t):
-        return count
-    k = count
-    while k > 0 and cuts[edge, k - 1] > t:
-        cuts[edge, k] = cuts[edge, k - 1]
-        k -= 1
-    cuts[edge, k] = t
-    return count + 1
 
 
 @compiled
@@ -118,6 +108,37 @@ def _corner(solved: np.ndarray, within: np.ndarray, corner: int, which: int, tra
 
 
 @compiled
+def levels_of(
+    solved: np.ndarray,
+    links: np.ndarray,
+    start: np.ndarray,
+    stop: np.ndarray,
+    low: float,
+    high: float,
+    slices: int,
+    cuts: np.ndarray,
+    levels: np.ndarray,
+) -> int:
+    """The frame's t between `low` and `high` at which both traces of a shape get a point, ascending; how many.
+
+    They are `slices` evenly spaced ones, those of corners on either chain, and those of `cuts` on an edge that a chain
+    is on then. start, stop : (2,) int64, of the chains.
+    """
+    count = slices
+    for k in range(slices):
+        levels[k] = low + (high - low) * (k + 1) / (slices + 1)
+    for side in range(2):
+        for k in range(start[side], stop[side] - 1):
+            first, last = link_t(solved, links, side, k), link_t(solved, links, side, k + 1)
+            if low < last < high:
+                count = insert(levels, count, last)
+            for t in cuts[links[side, k, EDGE]]:
+                if max(first, low) < t < min(last, high):
+                    count = insert(levels, count, t)
+    return count
+
+
+@compiled
 def traced(
     row: np.ndarray,
     solved: np.ndarray,
@@ -128,8 +149,7 @@ def traced(
     stop: int,
     low: float,
     high: float,
-    levels: int,
-    cuts: np.ndarray,
+    levels: np.ndarray,
     trace: np.ndarray,
 ) -> int:
     """What a chain leaves in the picture between two t; how many points.
@@ -142,15 +162,12 @@ def traced(
     links, side, start, stop : the chain, as from `connected`
     low, high : float
         The frame's t between which the shape is kept; within the shape's own.
-    levels : int
-        How many extra levels divide the way from `low` to `high`.
-    cuts : (3, 6) float64
-        Where to add points, for each scene edge, ascending and then infinite.
+    levels : (L,) float64
+        Where to add points, ascending.
     trace : (N, 5) float64
         Written.
     """
-    count, level = 0, 1
-    step = (high - low) / (levels + 1)
+    count, level = 0, 0
     for k in range(start, stop - 1):
         edge = links[side, k, EDGE]
         first, last = link_t(solved, links, side, k), link_t(solved, links, side, k + 1)
@@ -158,35 +175,21 @@ def traced(
             continue
         a, b = max(first, low), min(last, high)
         beside = BESIDE * (b - a)
-        if first >= low and has_ray(solved, links, side, k):
+        if first < low:
+            count = _place(row, solved, within, edge, low, trace, count)
+        elif has_ray(solved, links, side, k):
             count = _corner(solved, within, links[side, k, CORNER], links[side, k, WHICH], trace, count)
         else:
-            before = count
-            if first < low:
+            count = _place(row, solved, within, edge, a + beside, trace, count)
+        while level < len(levels) and levels[level] < b:
+            if levels[level] > a:
+                a = levels[level]
                 count = _place(row, solved, within, edge, a, trace, count)
-            if count == before:
-                count = _place(row, solved, within, edge, a + beside, trace, count)
-        cut = 0
-        while True:
-            while cut < CUTS and cuts[edge, cut] <= a:
-                cut += 1
-            while level <= levels and low + level * step <= a:
-                level += 1
-            at_cut = cuts[edge, cut] if cut < CUTS else math.inf
-            at_level = low + level * step if level <= levels else math.inf
-            t = min(at_cut, at_level)
-            if not t < b:
-                break
-            count = _place(row, solved, within, edge, t, trace, count)
-            a = t
-        if last > high or (k == stop - 2 and not has_ray(solved, links, side, k + 1)):
-            before = count
-            if last > high:
-                count = _place(row, solved, within, edge, b, trace, count)
-            if count == before:
-                count = _place(row, solved, within, edge, b - beside, trace, count)
-        elif k == stop - 2:
-            count = _corner(solved, within, links[side, k + 1, CORNER], links[side, k + 1, WHICH], trace, count)
+            level += 1
+        if last > high:
+            count = _place(row, solved, within, edge, high, trace, count)
         elif not has_ray(solved, links, side, k + 1):
             count = _place(row, solved, within, edge, b - beside, trace, count)
+        elif k == stop - 2:
+            count = _corner(solved, within, links[side, k + 1, CORNER], links[side, k + 1, WHICH], trace, count)
     return count

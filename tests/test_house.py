@@ -22,7 +22,7 @@ BELOW: dict[str, set[str]] = {
     "raymesh": set(),
     "embree": set(),
     "projection": {"scene"},
-    "frame": {"scene"},
+    "frame": {"scene", "raymesh"},
     "rays": {"scene", "raymesh", "embree"},
     "optics": {"scene", "raymesh", "rays"},
     "trilinear": {"scene", "raymesh", "projection"},

@@ -9,7 +9,9 @@ from pathlib import Path
 
 import numpy as np
 
+from anamorph.errors import AnamorphError
 from anamorph.output import save_picture
+from anamorph.raymesh import RayMesh
 from anamorph.scene.camera import Camera
 from anamorph.scene.model import Scene
 
@@ -33,7 +35,8 @@ class View:
     Parameters
     ----------
     scene : Scene
-    camera : Camera
+    camera : Camera or RayMesh
+        A ray mesh is itself the whole picture: what none of its triangles covers is black, with `Status.OUTSIDE`.
     size : (width, height)
         Pixels.
     samples : int
@@ -41,9 +44,16 @@ class View:
     """
 
     scene: Scene
-    camera: Camera
+    camera: Camera | RayMesh
     size: tuple[int, int]
     samples: int = 1
+
+    @property
+    def pinhole(self) -> Camera:
+        """The camera, for what can only see from one point."""
+        if isinstance(self.camera, RayMesh):
+            raise AnamorphError("camera: is a ray mesh, and what is asked for needs a pinhole; give a Camera")
+        return self.camera
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,7 +76,7 @@ class Frame:
         The angle between the pixel's own ray and the direction to the point that it shows, radians: what the method
         itself knows of its error.
     ray_origin, ray_direction : (H, W, 3) float32, optional
-        The last ray of each pixel's path, from methods that have one for every pixel.
+        The last ray of each pixel's path, from methods that have one for every pixel; zero where there is none.
     figures : mapping of str to float
         What the method tells of itself, with the seen buffers: see `SpecularDrawing.figures`.
     """

@@ -7,6 +7,11 @@ from enum import IntEnum
 
 import numpy as np
 
+from anamorph.errors import AnamorphError
+
+LARGEST = 1e12
+"""Beyond it float32, or a square, is soon at its end."""
+
 
 class RayStatus(IntEnum):
     """How a vertex got its ray, or why it has none that is seen.
@@ -24,6 +29,9 @@ class RayStatus(IntEnum):
 @dataclass(frozen=True, eq=False)
 class RayMesh:
     """What a specular surface does to the eye's rays, or a nonlinear camera made by hand.
+
+    As a camera it shows what its rays meet from their origins on, and of what it holds `status` and `share` are not
+    read. Where its triangles lie over each other in the picture, the first one is seen.
 
     Parameters
     ----------
@@ -56,3 +64,43 @@ class RayMesh:
     def unit_directions(self) -> np.ndarray:
         """The directions normalised, (V, 3)."""
         return self.directions / np.linalg.norm(self.directions, axis=1, keepdims=True)
+
+    def least_size(self) -> tuple[int, int]:
+        """The least whole (width, height) that holds the picture of all triangles, in pixels."""
+        used = np.unique(self.faces)
+        if self.picture[used, 2].min() <= 0.0:
+            raise AnamorphError("camera: its picture has vertices behind the eye (w <= 0); give the picture's size")
+        # What rounding adds to a whole number is not worth a pixel.
+        width, height = (int(side) for side in np.ceil(self.places()[used].max(axis=0) - 1e-6))
+        if width < 1 or height < 1:
+            raise AnamorphError("camera: its picture ends left of or above (0, 0), the top left corner; move it")
+        return width, height
+
+
+def check_ray_mesh(rays: RayMesh, where: str) -> None:
+    """Is a ray mesh fit to be a camera? Raises AnamorphError; w <= 0, which is behind the eye, is no error."""
+    count = len(rays.picture)
+    for name, shape in (("picture", (count, 3)), ("origins", (count, 3)), ("directions", (count, 3))):
+        values = np.asarray(getattr(rays, name))
+        if values.shape != shape or values.dtype.kind not in "iuf":
+            raise AnamorphError(f"{where}: {name} are {values.shape} {values.dtype}; give {shape} float64")
+        if not np.isfinite(values).all():
+            raise AnamorphError(f"{where}: {name} have NaN or infinite numbers; mend the ray mesh")
+        if np.abs(values).max(initial=0.0) > LARGEST:
+            raise AnamorphError(f"{where}: {name} have numbers beyond {LARGEST:.0e}; mend the ray mesh")
+    if np.shape(rays.status) != (count,):
+        raise AnamorphError(f"{where}: status has shape {np.shape(rays.status)}; give {(count,)}")
+    faces = np.asarray(rays.faces)
+    if faces.ndim != 2 or faces.shape[1] != 3 or faces.dtype.kind not in "iu" or not len(faces):
+        raise AnamorphError(f"{where}: faces are {faces.shape} {faces.dtype}; give (F, 3) int32, at least one")
+    if faces.min() < 0 or faces.max() >= count:
+        wrong = faces.max() if faces.max() >= count else faces.min()
+        raise AnamorphError(f"{where}: a face names vertex {wrong}, but there are {count}; mend the faces")
+    used = np.unique(faces)
+    short = used[np.linalg.norm(rays.directions[used], axis=1) == 0.0]
+    if len(short):
+        raise AnamorphError(f"{where}: the direction of vertex {short[0]} has no length; give it one")
+    if np.max(rays.picture[used, 2]) <= 0.0:
+        raise AnamorphError(f"{where}: all its picture is behind the eye (w <= 0); give w = 1 to what is made by hand")
+    if not np.linalg.det(np.asarray(rays.picture, float)[faces]).any():
+        raise AnamorphError(f"{where}: all its triangles are points or lines in the picture; spread them")

@@ -12,9 +12,10 @@ import numpy as np
 
 from anamorph.errors import AnamorphError
 from anamorph.frame import Frame, View
-from anamorph.methods import Session, make_options, parse
+from anamorph.methods import METHODS, Method, Session, make_options, parse
+from anamorph.raymesh import RayMesh, check_ray_mesh
 from anamorph.scene.camera import Camera
-from anamorph.scene.checks import check_scene
+from anamorph.scene.checks import check_contents, check_scene
 from anamorph.scene.model import Scene
 from anamorph.scene.opening import open_scene
 from anamorph.scene.scenefile import Settings
@@ -52,7 +53,7 @@ def accumulate(view: View, session: Session, seen: bool = False, tell: Drawn = l
 def render(
     scene: Scene | str | Path,
     method: str | None = None,
-    camera: Camera | None = None,
+    camera: Camera | RayMesh | None = None,
     size: tuple[int, int] | None = None,
     samples: int = 1,
     seen: bool = False,
@@ -66,10 +67,10 @@ def render(
         A scene, the name of a built-in one, or the path of a scene file or a model file.
     method : str, optional
         "name" or "name:option=value,…"; pervertex unless a scene file says otherwise.
-    camera : Camera, optional
-        The scene's own by default.
+    camera : Camera or RayMesh, optional
+        The scene's own by default. A ray mesh is itself the whole picture, for the methods that can see through one.
     size : (width, height), optional
-        Pixels; 1024 x 768 unless a scene file says otherwise.
+        Pixels; 1024 x 768 unless a scene file says otherwise. For a ray mesh, the least size that holds its picture.
     samples : int
         The picture averages samples x samples a pixel.
     seen : bool
@@ -81,13 +82,23 @@ def render(
     -------
     Frame
     """
-    settings = Settings()
-    if isinstance(scene, Scene):
-        opened = check_scene(dataclasses.replace(scene, camera=camera or scene.camera))
-    else:
-        opened, settings = open_scene(scene)
-        opened = opened if camera is None else check_scene(dataclasses.replace(opened, camera=camera))
+    opened, settings = (scene, Settings()) if isinstance(scene, Scene) else open_scene(scene)
     chosen, written = parse(method or settings.method)
     given = dataclasses.asdict(written) | options
-    view = View(opened, opened.camera, size or settings.size, samples)
+    if isinstance(camera, RayMesh):
+        _check_sees(chosen, camera)
+        view = View(check_contents(opened), camera, size or camera.least_size(), samples)
+    else:
+        # What has been opened by its name has been checked with its own camera.
+        if opened is scene or camera is not None:
+            opened = check_scene(dataclasses.replace(opened, camera=camera or opened.camera))
+        view = View(opened, opened.camera, size or settings.size, samples)
     return accumulate(view, chosen.open(view, make_options(chosen, given)), seen)
+
+
+def _check_sees(method: Method, camera: RayMesh) -> None:
+    """Refuse a method that cannot see through a ray mesh, and a ray mesh through which none can."""
+    if not method.ray_meshes:
+        able = " or ".join(name for name, each in METHODS.items() if each.ray_meshes)
+        raise AnamorphError(f"camera: {method.name} cannot see through a ray mesh; give {able}")
+    check_ray_mesh(camera, "camera")

@@ -74,7 +74,7 @@ class BorderErrors:
 def continuity(view: View, options: Options | None = None, along: np.ndarray = ALONG) -> BorderErrors:
     """Plan a frame of `view` with the `options` of `pervertex`, and measure it along its borders."""
     drawing = PerVertexDrawing(Stage(view), options or Options())
-    return border_errors(drawing.plan(view.camera), drawing.world, view.size, along)
+    return border_errors(drawing.plan(view.pinhole), drawing.world, view.size, along)
 
 
 def border_errors(

@@ -103,38 +103,6 @@ class Paths(NamedTuple):
         )
 
 
-@compiled
-def start(
-    paths: Paths,
-    eye: np.ndarray,
-    axes: np.ndarray,
-    scale: float,
-    size: np.ndarray,
-    corners: np.ndarray,
-    columns: int,
-    rows: int,
-    first: int,
-    count: int,
-) -> None:
-    """Put the rays of `count` pixels on their way, from number `first` of tiles at `corners`, `columns` by `rows`."""
-    for i in range(count):
-        tile, number = divmod(first + i, columns * rows)
-        row, column = divmod(number, columns)
-        x = (corners[tile, 0] + column - size[0] / 2.0) * scale
-        y = (size[1] / 2.0 - corners[tile, 1] - row) * scale
-        direction = unit(
-            (
-                x * axes[0, 0] + y * axes[1, 0] + axes[2, 0],
-                x * axes[0, 1] + y * axes[1, 1] + axes[2, 1],
-                x * axes[0, 2] + y * axes[1, 2] + axes[2, 2],
-            )
-        )
-        for axis in range(3):
-            paths.origin[i, axis], paths.direction[i, axis], paths.throughput[i, axis] = eye[axis], direction[axis], 1.0
-        paths.near[i], paths.pixel[i], paths.total[i], paths.dispersed[i] = 0.0, i, False, False
-        paths.specular[i], paths.bounces[i], paths.left[i], paths.skin[i] = 0, 0, 0, 0.0
-
-
 @inlined
 def _corner(positions: np.ndarray, vertex: int) -> Vector:
     return (np.float64(positions[vertex, 0]), np.float64(positions[vertex, 1]), np.float64(positions[vertex, 2]))

@@ -129,7 +129,7 @@ class _CubeReflector:
         self._mirrors = [reflector(stage.view.scene.meshes[index]) for index in indices]
         positions = np.concatenate([mirror.positions for mirror in self._mirrors])
         low, high = positions.min(axis=0), positions.max(axis=0)
-        size = options.face or max(face_size(rays) for rays in self.rays(stage.view.camera, stage.view.size))
+        size = options.face or max(face_size(rays) for rays in self.rays(stage.view.pinhole, stage.view.size))
         self.maps = make_cube(size)
         projections = cube_projections((low + high) / 2.0, near=1e-3 * float(np.linalg.norm(high - low)))
         for face, projection in zip(self.maps, projections, strict=True):

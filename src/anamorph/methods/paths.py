@@ -1,4 +1,4 @@
-"""The reference's light paths: a ray for every pixel, bent at every mirror and glass that it meets."""
+"""The reference's light paths: a ray for every pixel, or given rays, bent at every mirror and glass that they meet."""
 
 from __future__ import annotations
 
@@ -8,7 +8,8 @@ import numpy as np
 
 from anamorph.compiled import over_all_cores
 from anamorph.errors import AnamorphError
-from anamorph.methods.bounces import DIFFUSE, GLASS, MIRROR, WORDS, Paths, World, advance, start
+from anamorph.methods.bounces import DIFFUSE, GLASS, MIRROR, WORDS, Paths, World, advance
+from anamorph.methods.launch import Launch, along_rays, from_eye
 from anamorph.optics.dispersion import line_indices
 from anamorph.optics.exact import pack
 from anamorph.optics.reflection import reflected_rays, reflector
@@ -137,7 +138,28 @@ class PathTracer:
         tile : (columns, rows)
             The size of all tiles.
         """
-        return self._trace(self._green, camera, size, corners, tile, shift, records)
+        launch = from_eye(camera, size, corners, tile, shift)
+        rays = self._vertex_rays(camera, size)
+        return self._trace(self._green, launch, len(corners) * tile[0] * tile[1], rays, records)
+
+    def trace_rays(self, origins: np.ndarray, directions: np.ndarray, records: np.ndarray | None = None) -> np.ndarray:
+        """Trace one path along each given ray; see `trace`.
+
+        Parameters
+        ----------
+        origins, directions : (N, 3) float64
+            Directions may have any length; one of (0, 0, 0) is no ray. What lies at the origin itself is met: there
+            is no near plane but the place where a ray begins. Mirrors bend the rays at their surface in either truth.
+        records
+            As in `trace`.
+
+        Returns
+        -------
+        records : (N, 16) float32
+            Where there is no ray, the status is OUTSIDE, and origin, direction and throughput are zero.
+        """
+        launch = along_rays(origins, directions)
+        return self._trace(self._green, launch, len(origins), (NO_RAYS, NO_RAYS), records)
 
     def trace_colors(
         self,
@@ -162,49 +184,55 @@ class PathTracer:
         colors : (2, pixels that disperse, 16) float32
             Records of red light, then of blue, in the order of `records`.
         """
-        words = records.view(np.uint32)
-        numbers = np.flatnonzero(words[:, 14]) if self.disperses else np.zeros(0, np.int64)
-        words[numbers, 14] = np.arange(1, len(numbers) + 1)
+        numbers = self._numbered(records)
         columns, rows = tile
         number, place = np.divmod(numbers, columns * rows)
         row, column = np.divmod(place, columns)
         pixels = np.asarray(corners)[number] + np.stack([column, row], axis=-1)
-        colors = np.empty((2, len(numbers), WORDS), np.float32)
+        launch = from_eye(camera, size, pixels, (1, 1), shift)
+        return self._trace_lines(launch, len(numbers), self._vertex_rays(camera, size))
+
+    def trace_ray_colors(self, origins: np.ndarray, directions: np.ndarray, records: np.ndarray) -> np.ndarray:
+        """The same for the `origins` and `directions` for which `trace_rays` returned `records`."""
+        numbers = self._numbered(records)
+        return self._trace_lines(along_rays(origins[numbers], directions[numbers]), len(numbers), (NO_RAYS, NO_RAYS))
+
+    def _numbered(self, records: np.ndarray) -> np.ndarray:
+        """The rows of paths that disperse, counted from 1 in their word 14."""
+        words = records.view(np.uint32)
+        numbers = np.flatnonzero(words[:, 14]) if self.disperses else np.zeros(0, np.int64)
+        words[numbers, 14] = np.arange(1, len(numbers) + 1)
+        return numbers
+
+    def _trace_lines(self, launch: Launch, count: int, rays: tuple[np.ndarray, np.ndarray]) -> np.ndarray:
+        """Red and blue light of `count` paths, (2, count, 16)."""
+        colors = np.empty((2, count, WORDS), np.float32)
         for world, own in zip((self._red, self._blue), colors, strict=True):
-            self._trace(world, camera, size, pixels, (1, 1), shift, own)
+            self._trace(world, launch, count, rays, own)
         return colors
 
     def _trace(
         self,
         world: World,
-        camera: Camera,
-        size: tuple[int, int],
-        corners: np.ndarray,
-        tile: tuple[int, int],
-        shift: tuple[float, float],
+        launch: Launch,
+        count: int,
+        rays: tuple[np.ndarray, np.ndarray],
         records: np.ndarray | None,
     ) -> np.ndarray:
-        columns, rows = tile
-        count = len(corners) * columns * rows
+        """Trace `count` paths; `rays` are those of the ray meshes that the first bounce sends on."""
         if records is None or records.shape != (count, WORDS):
             records = np.empty((count, WORDS), np.float32)
         words = records.view(np.uint32)
-        vertex_origins, vertex_directions = self._vertex_rays(camera, size)
-        eye, axes = np.asarray(camera.position, float), camera.axes()
-        scale = 2.0 * np.tan(np.radians(camera.field_of_view) / 2.0) / size[1]
-        extent, centers = np.asarray(size, float), corners + 0.5 + np.asarray(shift)
 
         def work(first: int, stop: int) -> None:
-            paths, going, turn = self._room(), stop - first, 0
-            start(paths, eye, axes, scale, extent, centers, columns, rows, first, going)
-            rays_origins, rays_directions = vertex_origins, vertex_directions
+            paths, turn, bending = self._room(), 0, rays
+            own, own_words = records[first:stop], words[first:stop]
+            going = launch(paths, first, stop - first, own, own_words)
             while going:
                 # Rays of neighbouring pixels keep together until the second bounce.
                 self._cast(paths, going, coherent=turn < 2)
-                going = advance(
-                    world, paths, going, rays_origins, rays_directions, records[first:stop], words[first:stop]
-                )
-                rays_origins = rays_directions = NO_RAYS
+                going = advance(world, paths, going, *bending, own, own_words)
+                bending = (NO_RAYS, NO_RAYS)
                 turn += 1
 
         over_all_cores(work, count, GRAIN)

@@ -13,14 +13,18 @@ from typing import Any, Protocol
 import numpy as np
 
 from anamorph.frame import Frame, View
+from anamorph.raymesh import RayMesh
 from anamorph.scene.camera import Camera
 
 
 class Session(Protocol):
     """One scene, size and set of options, ready to draw: everything that can be made once has been."""
 
-    def draw(self, camera: Camera, shift: tuple[float, float] = (0.0, 0.0)) -> None:
-        """Submit one frame; `shift` moves its sample points by a fraction of a pixel, right and down."""
+    def draw(self, camera: Camera | RayMesh, shift: tuple[float, float] = (0.0, 0.0)) -> None:
+        """Submit one frame; `shift` moves its sample points by a fraction of a pixel, right and down.
+
+        The camera is of the kind, pinhole or ray mesh, that the session was opened with.
+        """
         ...
 
     def deform(self, positions: np.ndarray, normals: np.ndarray) -> None:
@@ -57,6 +61,8 @@ class Method:
         (View, options) -> Session.
     refracts : bool
         Whether it draws scenes with glass.
+    ray_meshes : bool
+        Whether its camera may be a ray mesh.
     """
 
     name: str
@@ -65,3 +71,4 @@ class Method:
     options: type
     open: Callable[[View, Any], Session]
     refracts: bool = False
+    ray_meshes: bool = False

@@ -1,12 +1,13 @@
 """The reference: a ray for every pixel that looks at a specular surface, bent as often as it meets one.
 
 Directly seen pixels are drawn as in every other method; inside the rectangle that bounds the specular surfaces each
-pixel is traced by paths.py on the CPU. It is at once the truth that the other methods are held against, and the
-competitor that they must be faster than.
+pixel is traced by paths.py on the CPU. Where the camera is a ray mesh, all pixels are. It is at once the truth that
+the other methods are held against, and the competitor that they must be faster than.
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -17,12 +18,17 @@ from anamorph.frame import View
 from anamorph.gpu.targets import Target
 from anamorph.methods.bounces import WORDS
 from anamorph.methods.paths import PathTracer, Rectangle, specular_rectangle
+from anamorph.methods.pixel_rays import pixel_rays
 from anamorph.methods.protocol import Method, Session
 from anamorph.methods.session import DrawingSession, Stage
 from anamorph.methods.tiles import Tiles, tiles_at_once
+from anamorph.raymesh import RayMesh
 from anamorph.rays import Caster
 from anamorph.scene.camera import Camera
 from anamorph.scene.geometry import Geometry
+
+Colors = Callable[[np.ndarray, tuple[int, int], slice, np.ndarray], np.ndarray]
+"""Traces red and blue light for a band of the picture: its corner (1, 2), its size, the rows of its records, these."""
 
 
 @dataclass(frozen=True)
@@ -33,7 +39,7 @@ class Options:
     ----------
     truth : str
         "surface": rays bend at the exact surface, or for a plain mesh at its interpolated normal. "raymesh": the
-        vertex rays of the ray mesh are interpolated.
+        vertex rays of a mirror's ray mesh are interpolated; not with a ray mesh as the camera.
     bounces : int
         How many specular surfaces a path may meet.
     dispersion : bool
@@ -60,7 +66,9 @@ class TracedDrawing:
         self._tracer = PathTracer(stage.view.scene, stage.geometry, self._caster, options.bounces, options.truth)
         self._bands: list[Tiles] = []
         self._used = 0
-        self._eye: tuple[Camera, tuple[float, float]] | None = None
+        self._looked: tuple[Camera | RayMesh, tuple[float, float]] | None = None
+        self._first: np.ndarray | None = None
+        self._room: np.ndarray | None = None
         self._records: tuple[Rectangle, np.ndarray] | None = None
 
     def deformed(self, geometry: Geometry) -> None:
@@ -68,27 +76,52 @@ class TracedDrawing:
         self._caster.moved(geometry.positions, self._rebuilds)
         self._tracer.moved(geometry)
 
-    def prepare(self, encoder: wgpu.GPUCommandEncoder, camera: Camera, shift: tuple[float, float]) -> None:
-        """Trace the rectangle that bounds the specular surfaces, and upload where its paths end."""
-        self._used, self._records, self._eye = 0, None, (camera, shift)
-        rectangle = specular_rectangle(self._stage.view.scene, camera, self._stage.view.size)
+    def prepare(self, encoder: wgpu.GPUCommandEncoder, camera: Camera | RayMesh, shift: tuple[float, float]) -> None:
+        """Trace the pixels around the specular surfaces, or all of a ray mesh's, and upload where their paths end."""
+        looked, self._looked = self._looked, (camera, shift)
+        self._used, self._records = 0, None
+        if isinstance(camera, RayMesh):
+            stays = looked is not None and looked[0] is camera and looked[1] == shift
+            self._trace_mesh(camera, shift, stays)
+        else:
+            self._trace_eye(camera, shift)
+
+    def _trace_eye(self, camera: Camera, shift: tuple[float, float]) -> None:
+        size = self._stage.view.size
+        rectangle = specular_rectangle(self._stage.view.scene, camera, size)
         if rectangle is None:
             return
+
+        def colors(corner: np.ndarray, tile: tuple[int, int], rows: slice, part: np.ndarray) -> np.ndarray:
+            return self._tracer.trace_colors(camera, size, corner, tile, shift, part)
+
+        self._write(rectangle, self._tracer.trace(camera, size, rectangle, shift, self._room), colors)
+
+    def _trace_mesh(self, mesh: RayMesh, shift: tuple[float, float], stays: bool) -> None:
+        size = self._stage.view.size
+        if self._first is None or not stays:
+            self._first = pixel_rays(mesh, size, shift, self._first)
+        origins, directions = self._first
+
+        def colors(corner: np.ndarray, tile: tuple[int, int], rows: slice, part: np.ndarray) -> np.ndarray:
+            return self._tracer.trace_ray_colors(origins[rows], directions[rows], part)
+
+        self._write((0, 0, *size), self._tracer.trace_rays(origins, directions, self._room), colors)
+
+    def _write(self, rectangle: Rectangle, records: np.ndarray, colors: Colors) -> None:
+        """Upload the records of a rectangle, in bands of as many rows as a buffer holds."""
+        self._records, self._room = (rectangle, records), records
         x0, y0, x1, y1 = rectangle
-        records = self._tracer.trace(camera, self._stage.view.size, rectangle, shift)
-        self._records = (rectangle, records)
         width = x1 - x0
         rows = tiles_at_once(width)
         for top in range(y0, y1, rows):
             bottom = min(top + rows, y1)
             if self._used == len(self._bands):
                 self._bands.append(Tiles(self._stage.buffers))
-            part = records[(top - y0) * width : (bottom - y0) * width]
+            own = slice((top - y0) * width, (bottom - y0) * width)
             corner, tile = np.array([[x0, top]]), (width, bottom - top)
-            colors = None
-            if self._dispersion:
-                colors = self._tracer.trace_colors(camera, self._stage.view.size, corner, tile, shift, part)
-            self._bands[self._used].write(corner, tile, part, colors)
+            lines = colors(corner, tile, own, records[own]) if self._dispersion else None
+            self._bands[self._used].write(corner, tile, records[own], lines)
             self._used += 1
 
     def complete(self, target: Target, camera: Camera, shift: tuple[float, float]) -> None:
@@ -113,13 +146,15 @@ class TracedDrawing:
 
     def rays(self) -> tuple[np.ndarray, np.ndarray] | None:
         """Origins and directions of each pixel's last ray: the eye's own outside the traced rectangle."""
-        if self._eye is None:
+        if self._looked is None:
             return None
-        camera, shift = self._eye
+        camera, shift = self._looked
         width, height = self._stage.view.size
-        x, y = np.meshgrid(np.arange(width) + 0.5 + shift[0], np.arange(height) + 0.5 + shift[1])
-        direction = camera.directions(np.stack([x, y], axis=-1), (width, height)).astype(np.float32)
-        origin = np.broadcast_to(np.asarray(camera.position, np.float32), direction.shape).copy()
+        origin, direction = np.zeros((2, height, width, 3), np.float32)
+        if isinstance(camera, Camera):
+            x, y = np.meshgrid(np.arange(width) + 0.5 + shift[0], np.arange(height) + 0.5 + shift[1])
+            direction[:] = camera.directions(np.stack([x, y], axis=-1), (width, height))
+            origin[:] = camera.position
         if self._records is not None:
             (x0, y0, x1, y1), records = self._records
             traced = records.reshape(y1 - y0, x1 - x0, WORDS)
@@ -134,6 +169,8 @@ def open_session(view: View, options: Options) -> Session:
         raise AnamorphError(f"raytrace: truth is {options.truth}; give surface or raymesh")
     if options.tree not in ("refit", "rebuild"):
         raise AnamorphError(f"raytrace: tree is {options.tree}; give refit or rebuild")
+    if options.truth == "raymesh" and isinstance(view.camera, RayMesh):
+        raise AnamorphError("raytrace: truth=raymesh is for mirrors that a pinhole sees; give truth=surface")
     if not 1 <= options.bounces <= 255:
         raise AnamorphError(f"raytrace: bounces is {options.bounces}; give a number from 1 to 255")
     stage = Stage(view)
@@ -147,4 +184,5 @@ METHOD = Method(
     options=Options,
     open=open_session,
     refracts=True,
+    ray_meshes=True,
 )

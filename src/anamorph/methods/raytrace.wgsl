@@ -73,13 +73,18 @@ fn tile_place(fragment: TileFragment) -> vec2u {
     return vec2u(fragment.pixel.xy) - corners[fragment.tile];
 }
 
+// Whether any light arrives: not in pixels without a ray, whose direction is none.
+fn arrives(path: PathEnd) -> bool {
+    return any(path.throughput > vec3f(0.0));
+}
+
 // The path of a pixel beside this one by `step`, if it takes the same way: its ray is then this pixel's footprint.
 fn beside(fragment: TileFragment, step: vec2i, path: PathEnd) -> PathEnd {
     let place = vec2i(tile_place(fragment)) + step;
     if all(place >= vec2i(0)) && all(place < vec2i(tile_size)) {
         let other = path_at(fragment.tile, vec2u(place));
         let way = 0xFF00FFFFu;
-        if (other.flags & way) == (path.flags & way) {
+        if (other.flags & way) == (path.flags & way) && arrives(other) {
             return other;
         }
     }
@@ -101,6 +106,9 @@ fn texcoord_change(triangle: Triangle, path: PathEnd, other: PathEnd) -> vec2f {
 
 fn path_color(fragment: TileFragment) -> vec3f {
     let path = path_at(fragment.tile, tile_place(fragment));
+    if !arrives(path) {
+        return vec3f(0.0);
+    }
     // One step each way: the way back serves where the way on leads elsewhere.
     var right = beside(fragment, vec2i(1, 0), path);
     if all(right.direction == path.direction) {

@@ -5,17 +5,18 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 from functools import cached_property
-from typing import Protocol
+from typing import Any, Protocol
 
 import numpy as np
 import wgpu
 
 from anamorph.errors import AnamorphError
-from anamorph.frame import Frame, View
+from anamorph.frame import Frame, Status, View
 from anamorph.gpu.buffers import SceneBuffers, pack_vertices, upload_scene, upload_vertices
 from anamorph.gpu.device import get_device, maximum_size
 from anamorph.gpu.drawing import (
     ProjectionUniform,
+    ScenePipelines,
     bind_scene,
     color_pipelines,
     draw_scene,
@@ -26,12 +27,16 @@ from anamorph.gpu.drawing import (
 )
 from anamorph.gpu.targets import COLOR_FORMAT, SEEN_FORMATS, Target, begin_pass, make_target, read_texture
 from anamorph.projection import camera_projection
+from anamorph.raymesh import RayMesh
 from anamorph.scene.camera import Camera
 from anamorph.scene.geometry import Geometry, flatten
 
 
 class SpecularDrawing(Protocol):
-    """How one method draws the specular meshes of a scene."""
+    """How one method draws the specular meshes of a scene, or all that a ray mesh sees of it.
+
+    A `camera` is a pinhole or a ray mesh as the stage's is: methods that take no ray meshes never see one.
+    """
 
     @property
     def replaced(self) -> tuple[int, ...]:
@@ -42,7 +47,7 @@ class SpecularDrawing(Protocol):
         """Take notice that vertices have moved: they are where `geometry` says, and so on the device."""
         ...
 
-    def prepare(self, encoder: wgpu.GPUCommandEncoder, camera: Camera, shift: tuple[float, float]) -> None:
+    def prepare(self, encoder: wgpu.GPUCommandEncoder, camera: Any, shift: tuple[float, float]) -> None:
         """Record whatever must be drawn or uploaded before the picture: maps, texture coordinates, hits."""
         ...
 
@@ -50,7 +55,7 @@ class SpecularDrawing(Protocol):
         """Draw into the picture before the scene, which is hidden behind it; shading and projection are bound."""
         ...
 
-    def complete(self, target: Target, camera: Camera, shift: tuple[float, float]) -> None:
+    def complete(self, target: Target, camera: Any, shift: tuple[float, float]) -> None:
         """Mend the picture in `target` where the method itself knows that it must; most methods know nothing."""
         ...
 
@@ -72,7 +77,14 @@ class SpecularDrawing(Protocol):
 
 
 class Stage:
-    """What a method draws on: the scene on the device and the eye's projection."""
+    """What a method draws on: the scene on the device and the eye's projection.
+
+    Attributes
+    ----------
+    pinhole : bool
+        Whether the camera is one. If it is a ray mesh, only the picture's size in the projection means something, and
+        the session leaves all drawing to the method.
+    """
 
     def __init__(self, view: View) -> None:
         sides = view.size if isinstance(view.size, Sequence | np.ndarray) else ()
@@ -82,9 +94,17 @@ class Stage:
             width, height = view.size
             raise AnamorphError(f"size {width}x{height}: give a width and height from 1 to {maximum_size()}")
         self.view = view
+        self.pinhole = not isinstance(view.camera, RayMesh)
         self.geometry: Geometry = flatten(view.scene)
         self.buffers: SceneBuffers = upload_scene(view.scene, self.geometry)
         self.projection: ProjectionUniform = projection_uniform()
+
+    def look(self, camera: Camera | RayMesh, shift: tuple[float, float]) -> None:
+        """Set the projection."""
+        if isinstance(camera, RayMesh) is self.pinhole:
+            raise AnamorphError("camera: is of another kind than the session was opened with; open one for it")
+        eye = self.view.scene.camera if isinstance(camera, RayMesh) else camera
+        self.projection.write(camera_projection(eye, self.view.size, shift), self.view.size)
 
     @cached_property
     def _vertices(self) -> np.ndarray:
@@ -123,20 +143,25 @@ class DrawingSession:
         self._target = make_target(stage.view.size, (COLOR_FORMAT,), antialias)
         self._pipelines = color_pipelines(antialias)
 
-    def draw(self, camera: Camera, shift: tuple[float, float] = (0.0, 0.0)) -> None:
+    def draw(self, camera: Camera | RayMesh, shift: tuple[float, float] = (0.0, 0.0)) -> None:
         """Submit one frame."""
         stage = self._stage
-        stage.projection.write(camera_projection(camera, stage.view.size, shift), stage.view.size)
+        stage.look(camera, shift)
         encoder = get_device().create_command_encoder()
         self._drawing.prepare(encoder, camera, shift)
         render_pass = begin_pass(encoder, self._target)
         # What stands behind a mirror need not be shaded: the mirror comes first.
         bind_scene(render_pass, stage.buffers, stage.projection)
         self._drawing.draw_color(render_pass)
-        draw_scene(render_pass, self._pipelines, stage.buffers, stage.projection, self._drawing.replaced)
+        self._draw_scene(render_pass, self._pipelines)
         render_pass.end()
         submit(encoder)
         self._drawing.complete(self._target, camera, shift)
+
+    def _draw_scene(self, render_pass: wgpu.GPURenderPassEncoder, pipelines: ScenePipelines) -> None:
+        if self._stage.pinhole:
+            buffers, projection = self._stage.buffers, self._stage.projection
+            draw_scene(render_pass, pipelines, buffers, projection, self._drawing.replaced)
 
     def deform(self, positions: np.ndarray, normals: np.ndarray) -> None:
         """Move the scene's vertices."""
@@ -159,17 +184,19 @@ class DrawingSession:
         render_pass = begin_pass(encoder, target)
         bind_scene(render_pass, stage.buffers, stage.projection)
         self._drawing.draw_seen(render_pass)
-        draw_scene(render_pass, seen_pipelines(), stage.buffers, stage.projection, self._drawing.replaced)
+        self._draw_scene(render_pass, seen_pipelines())
         render_pass.end()
         submit(encoder)
         point, flags, deviation = (read_texture(texture) for texture in target.textures)
+        # What nothing has drawn: even the sky leaves its status.
+        blank = (flags == 0) & (point[..., 3] == 0.0)
         origin, direction = self._drawing.rays() or (None, None)
         return Frame(
             color=color,
             position=np.ascontiguousarray(point[..., :3]),
             object_id=point[..., 3].astype(np.uint32),
             specular=flags & 0xFFFF,
-            status=(flags >> 16).astype(np.uint8),
+            status=np.where(blank, Status.OUTSIDE, flags >> 16).astype(np.uint8),
             deviation=deviation,
             ray_origin=origin,
             ray_direction=direction,

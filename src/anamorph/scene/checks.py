@@ -39,7 +39,15 @@ SMALLEST_SHARE = 1e-5
 
 
 def check_scene(scene: Scene) -> Scene:
-    """The scene without its degenerate triangles; raises AnamorphError for what cannot be drawn."""
+    """The scene without its degenerate triangles; raises AnamorphError for what its camera cannot show."""
+    checked = check_contents(scene)
+    check_camera(scene.camera, f"scene '{scene.name}': eye")
+    _check_eye(checked)
+    return checked
+
+
+def check_contents(scene: Scene) -> Scene:
+    """The same for a scene that is not seen by its own camera."""
     if not scene.meshes:
         raise AnamorphError(f"scene '{scene.name}': has no meshes; add a part")
     if len(scene.meshes) > MOST_MESHES:
@@ -47,13 +55,10 @@ def check_scene(scene: Scene) -> Scene:
             f"scene '{scene.name}': has {len(scene.meshes)} meshes, and {MOST_MESHES} can be told apart; join some"
         )
     meshes = tuple(_checked(mesh) for mesh in scene.meshes)
-    check_camera(scene.camera, f"scene '{scene.name}': eye")
     for number, light in enumerate(scene.lights, start=1):
         _check_light(light, f"scene '{scene.name}': light {number}")
     _check_sky(scene.sky, f"scene '{scene.name}': sky")
-    checked = replace(scene, meshes=meshes)
-    _check_eye(checked)
-    return checked
+    return replace(scene, meshes=meshes)
 
 
 def check_triangles(where: str, positions: np.ndarray, faces: np.ndarray) -> None:

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from anamorph.errors import AnamorphError
 from anamorph.scene.builtin.car_mirror import car_mirror
 from anamorph.scene.builtin.car_windows import car_windows
+from anamorph.scene.builtin.cube_mirrors import cube_in_sphere, cube_in_wavy_mirror
 from anamorph.scene.builtin.curvature_series import curvature_series
 from anamorph.scene.builtin.deforming import deforming
 from anamorph.scene.builtin.facing_mirrors import facing_mirrors
@@ -48,6 +49,8 @@ SCENES: dict[str, BuiltIn] = {
         BuiltIn("facing-mirrors", "two flat mirrors before each other, not quite parallel: a tunnel", facing_mirrors),
         BuiltIn("torus", "a closed mirror ring on its exact surface, over a chequered floor", torus),
         BuiltIn("deforming", "a convex mirror over a rolling sea with flags: 300,000 moving triangles", deforming),
+        BuiltIn("cube-in-sphere", "a numbered cube over a board in a small part of a mirror ball", cube_in_sphere),
+        BuiltIn("cube-in-wavy-mirror", "the same in a flat mirror with random normals, as at a fair", cube_in_wavy_mirror),
     )
 }
 

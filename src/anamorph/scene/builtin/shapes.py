@@ -144,7 +144,13 @@ def grid(
     )
 
 
-def box(low: Sequence[float], high: Sequence[float], sides: str = "+x-x+y-y+z-z", image: Rectangle = WHOLE) -> Shape:
+def box(
+    low: Sequence[float],
+    high: Sequence[float],
+    sides: str = "+x-x+y-y+z-z",
+    image: Rectangle = WHOLE,
+    divisions: tuple[int, int] = (1, 1),
+) -> Shape:
     """A box between two corners; `sides` lists the faces it has."""
     (x, y, z), (w, h, d) = low, np.subtract(high, low)
     faces = {
@@ -155,7 +161,7 @@ def box(low: Sequence[float], high: Sequence[float], sides: str = "+x-x+y-y+z-z"
         "+z": ((x, y, z + d), (w, 0, 0), (0, h, 0)),
         "-z": ((x + w, y, z), (-w, 0, 0), (0, h, 0)),
     }
-    return join([grid(*faces[sides[i : i + 2]], image=image) for i in range(0, len(sides), 2)])
+    return join([grid(*faces[sides[i : i + 2]], divisions, image) for i in range(0, len(sides), 2)])
 
 
 def loft(rings: np.ndarray, crease: float = 40.0, closed: bool = True, colors: np.ndarray | None = None) -> Shape:

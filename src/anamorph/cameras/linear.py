@@ -1,0 +1,80 @@
+"""Linear cameras, each exact by two triangles: pinhole, orthographic, pushbroom.
+
+Two more of their kind are known (J. Yu and L. McMillan, "General linear cameras", 2004); `from_grid` makes any.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from anamorph.cameras.grid import Size, checked_number, checked_size, from_grid, grid_points
+from anamorph.raymesh import RayMesh
+from anamorph.scene.camera import Camera
+from anamorph.scene.checks import check_camera
+
+
+def pinhole(camera: Camera, size: Size) -> RayMesh:
+    """What `camera` sees in a picture of `size` (width, height), as a ray mesh."""
+    directions = lines_of_sight(camera, grid_points(size, (1, 1)), size)
+    return from_grid(np.broadcast_to(camera.position, directions.shape), directions, size)
+
+
+def orthographic(camera: Camera, size: Size, height: float | None = None) -> RayMesh:
+    """Parallel rays along the view of `camera`, which leave the plane through its position.
+
+    Parameters
+    ----------
+    camera : Camera
+    size : (width, height)
+        Pixels.
+    height : float, optional
+        Metres that the picture shows from its bottom to its top; what `camera` shows of its target's plane where not
+        given.
+    """
+    sight = lines_of_sight(camera, grid_points(size, (1, 1)), size)
+    forward = camera.axes()[2]
+    across = (sight - forward) * _scale(camera, height)
+    return from_grid(camera.position + across, np.broadcast_to(forward, sight.shape), size)
+
+
+def pushbroom(camera: Camera, size: Size, height: float | None = None) -> RayMesh:
+    """A line of pixels, upright as `camera` sees it, that an eye sees while it moves to the right.
+
+    Upright the picture is a perspective one, across it is orthographic: the scanner of a satellite, a street's long
+    front.
+
+    Parameters
+    ----------
+    camera : Camera
+        The middle of the way, and the upright angle of the picture.
+    size : (width, height)
+        Pixels.
+    height : float, optional
+        Metres that the picture shows from its bottom to its top where its scale is the same both ways; what `camera`
+        shows of its target's plane where not given. The way is `height` times width over height long.
+    """
+    sight = lines_of_sight(camera, grid_points(size, (1, 1)), size)
+    right, up, forward = camera.axes()
+    moved = (sight @ right)[..., None] * right * _scale(camera, height)
+    return from_grid(camera.position + moved, (sight @ up)[..., None] * up + forward, size)
+
+
+def lines_of_sight(camera: Camera, pixels: np.ndarray, size: Size) -> np.ndarray:
+    """From the eye through picture points (..., 2) to the plane a metre before it: (..., 3), linear in the picture."""
+    check_camera(camera, "camera")
+    matrix = camera.eye(checked_size(size)).matrix[:, :3]
+    homogeneous = np.concatenate([pixels, np.ones((*pixels.shape[:-1], 1))], axis=-1)
+    return homogeneous @ np.linalg.inv(matrix).T
+
+
+def target_distance(camera: Camera) -> float:
+    """Metres from the eye to what it looks at."""
+    return float(np.linalg.norm(np.subtract(camera.target, camera.position)))
+
+
+def _scale(camera: Camera, height: float | None) -> float:
+    """The distance at which `camera` shows `height` metres."""
+    if height is None:
+        return target_distance(camera)
+    half = np.tan(np.radians(camera.field_of_view) / 2.0)
+    return checked_number("height", height, 0.0, np.inf, "metres") / (2.0 * half)

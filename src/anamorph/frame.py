@@ -26,6 +26,7 @@ class Status(IntEnum):
     SKY = 4
     TOTAL_REFLECTION = 5
     OUTSIDE = 6
+    PROJECTED = 7
 
 
 @dataclass(frozen=True, eq=False)

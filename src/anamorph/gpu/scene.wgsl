@@ -52,6 +52,7 @@ const STATUS_REFINED = 2u;
 const STATUS_SKY = 4u;
 const STATUS_TOTAL_REFLECTION = 5u;
 const STATUS_OUTSIDE = 6u;
+const STATUS_PROJECTED = 7u;
 
 fn seen_flags(specular: u32, status: u32) -> u32 {
     return specular | (status << 16u);

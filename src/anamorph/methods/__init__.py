@@ -6,10 +6,10 @@ import dataclasses
 from typing import Any
 
 from anamorph.errors import AnamorphError, nearest
-from anamorph.methods import environment, pervertex, raytrace
+from anamorph.methods import environment, pervertex, raytrace, trilinear
 from anamorph.methods.protocol import Method, Session
 
-METHODS: dict[str, Method] = {module.METHOD.name: module.METHOD for module in (raytrace, environment, pervertex)}
+METHODS: dict[str, Method] = {module.METHOD.name: module.METHOD for module in (raytrace, environment, pervertex, trilinear)}
 
 __all__ = ["METHODS", "Method", "Session", "make_options", "parse", "with_option"]
 

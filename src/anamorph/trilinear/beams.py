@@ -1,0 +1,167 @@
+"""Ray triangles as functions of the picture: what a pixel's ray is, and which part of the picture is theirs.
+
+At the picture point q = (x, y, 1) the weights of the three rays are linear in q, up to a common factor that cancels:
+W = q P^-1, where the rows of P are the homogeneous picture corners (x w, y w, w). So the ray's origin, its direction and
+the sum of the weights are linear in q as well:
+
+    o(q) = sum W_i o_i,    d(q) = sum W_i d_i,    s(q) = sum W_i,    the ray is o / s + t d / s,
+
+and its Pluecker coordinates, the direction s d and the moment o x d, are quadratic. A weight is nowhere negative in the
+triangle's part of the picture, even where that runs through the plane of the eye.
+
+Source: the ray triangle is that of Vallance 2005, equation 2.4; homogeneous pictures are new here.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from anamorph.trilinear.boxes import SLACK, bounding_planes
+
+PADDING = 1.0 / 32.0
+"""Pixels by which whatever is drawn reaches beyond what must be: more than rounding and the rasterizer's grid take."""
+
+MOST_CORNERS = 8
+"""Of the picture's rectangle after three cuts, with one to spare."""
+
+FLAT = 1e-9
+"""A ray triangle whose picture is thinner than this, as a share of its length, covers no pixel."""
+
+
+class Beams(NamedTuple):
+    """K ray triangles, with places in pixels from a `center` each.
+
+    The six terms of a quadratic are those of x x, x y, y y, x, y and 1.
+    """
+
+    number: np.ndarray
+    """(K,) int32: which of the given ray triangles each one is: those that the picture does not show are left out."""
+    center: np.ndarray
+    """(K, 2) float64, whole pixels."""
+    anchor: np.ndarray
+    """(K, 3) float64: the world point that origins and moments are relative to."""
+    origin: np.ndarray
+    """(K, 3, 3) float64: o = origin @ (x, y, 1)."""
+    direction: np.ndarray
+    """(K, 3, 3) float64: d = direction @ (x, y, 1)."""
+    scale: np.ndarray
+    """(K, 3) float64: s = scale . (x, y, 1)."""
+    line: np.ndarray
+    """(K, 6, 3) float64: s d."""
+    moment: np.ndarray
+    """(K, 6, 3) float64: d x o."""
+    domain: np.ndarray
+    """(K, 8, 2) float64: the corners of the part of the picture that is its own, a little enlarged."""
+    corners: np.ndarray
+    """(K,) int64: how many corners that has."""
+    normals: np.ndarray
+    """(K, 32, 3) float64: see `BoundingPlanes`."""
+    distances: np.ndarray
+    """(K, 32) float64: relative to the world's origin, less their slack."""
+    near: np.ndarray
+    """(K,) float64: the t from which on things are seen."""
+
+
+def make_beams(
+    picture: np.ndarray, origins: np.ndarray, directions: np.ndarray, size: tuple[int, int], near: float = 0.0
+) -> Beams:
+    """The ray triangles that have a part in a picture.
+
+    Parameters
+    ----------
+    picture : (K, 3, 3) array
+        A row (x w, y w, w) for each corner, in pixels.
+    origins, directions : (K, 3, 3) array
+        A row for each ray; not all directions of a ray triangle may be 0.
+    size : (width, height)
+        Of the picture, pixels.
+    near : float
+        What is nearer than this, along its ray, is not seen; metres.
+
+    Raises
+    ------
+    AnamorphError
+        If a number is not finite, or all directions of a ray triangle are 0.
+    """
+    picture = np.asarray(picture, float)
+    length = np.linalg.norm(picture, axis=-1)
+    flat = np.abs(np.linalg.det(picture)) <= FLAT * np.prod(length, axis=-1) / max(*size, 1)
+    inverse = np.linalg.inv(np.where(flat[:, None, None], np.eye(3), picture))
+    domain, corners = _domains(inverse, size)
+    shown = np.flatnonzero(~flat & (corners >= 3))
+    picture, origins, directions = picture[shown], np.asarray(origins, float)[shown], np.asarray(directions, float)[shown]
+    inverse, domain, corners = inverse[shown], domain[shown], corners[shown]
+
+    some = np.arange(domain.shape[1]) < corners[:, None]
+    middle = np.where(some[..., None], domain, 0.0).sum(axis=1) / np.maximum(corners, 1)[:, None]
+    center = np.rint(middle)
+    inverse = inverse.copy()
+    inverse[:, 2] += np.einsum("ki,kij->kj", center, inverse[:, :2])
+    # A common factor of the weights means nothing: with this one they are about 1 in the middle.
+    inverse /= np.maximum(np.abs(inverse[:, 2]).sum(axis=1), np.finfo(float).tiny)[:, None, None]
+
+    anchor = origins.mean(axis=1) if len(origins) else np.zeros((0, 3))
+    origin = np.einsum("kqi,kix->kxq", inverse, origins - anchor[:, None])
+    direction = np.einsum("kqi,kix->kxq", inverse, directions)
+    scale = inverse.sum(axis=2)
+    pace = np.linalg.norm(directions, axis=-1).max(axis=-1, initial=0.0)
+    near_t = near / np.maximum(pace, np.finfo(float).tiny)
+    planes = bounding_planes(origins, directions)
+    slack = planes.slack + SLACK * np.abs(planes.distances)
+    return Beams(
+        number=shown.astype(np.int32),
+        center=center,
+        anchor=anchor,
+        origin=np.ascontiguousarray(origin),
+        direction=np.ascontiguousarray(direction),
+        scale=scale,
+        line=_products(np.einsum("kxq,kr->kqrx", direction, scale)),
+        moment=_products(np.cross(direction.swapaxes(1, 2)[:, :, None], origin.swapaxes(1, 2)[:, None])),
+        domain=domain - center[:, None],
+        corners=corners,
+        normals=planes.normals,
+        distances=planes.distances - slack,
+        near=near_t,
+    )
+
+
+def _products(outer: np.ndarray) -> np.ndarray:
+    """Six terms (K, 6, 3) from the products (K, 3, 3, 3) of two linear functions' terms, those of x, y and 1."""
+    pairs = ((0, 0), (0, 1), (1, 1), (0, 2), (1, 2), (2, 2))
+    terms = [outer[:, i, j] + (outer[:, j, i] if i != j else 0.0) for i, j in pairs]
+    return np.stack(terms, axis=1) if len(outer) else np.zeros((0, 6, 3))
+
+
+def _domains(inverse: np.ndarray, size: tuple[int, int]) -> tuple[np.ndarray, np.ndarray]:
+    """The picture's rectangle cut along the sides of each triangle: corners (K, 8, 2), and how many there are."""
+    width, height = size
+    count = len(inverse)
+    polygon = np.zeros((count, MOST_CORNERS, 2))
+    polygon[:, :4] = [(-1.0, -1.0), (width + 1.0, -1.0), (width + 1.0, height + 1.0), (-1.0, height + 1.0)]
+    corners = np.full(count, 4)
+    for side in range(3):
+        gradient = inverse[:, :2, side]
+        offset = inverse[:, 2, side] + PADDING * np.linalg.norm(gradient, axis=1)
+        polygon, corners = _cut(polygon, corners, gradient, offset)
+    return polygon, corners
+
+
+def _cut(
+    polygon: np.ndarray, corners: np.ndarray, gradient: np.ndarray, offset: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """What of convex polygons (K, 8, 2) has gradient . place + offset >= 0."""
+    rows, slots = np.arange(len(polygon)), np.arange(MOST_CORNERS)
+    following = np.where(slots + 1 < corners[:, None], slots + 1, 0)
+    height = np.einsum("ksi,ki->ks", polygon, gradient) + offset[:, None]
+    ahead = height[rows[:, None], following]
+    used = slots < corners[:, None]
+    kept, crosses = used & (height >= 0.0), used & ((height >= 0.0) != (ahead >= 0.0))
+    # Each corner gives up to two: itself, and the crossing that follows.
+    share = np.where(crosses, height / np.where(crosses, height - ahead, 1.0), 0.0)
+    crossing = polygon + share[..., None] * (polygon[rows[:, None], following] - polygon)
+    both = np.stack([polygon, crossing], axis=2).reshape(len(polygon), 2 * MOST_CORNERS, 2)
+    wanted = np.stack([kept, crosses], axis=2).reshape(len(polygon), 2 * MOST_CORNERS)
+    order = np.argsort(~wanted, axis=1, kind="stable")[:, :MOST_CORNERS]
+    return both[rows[:, None], order], wanted.sum(axis=1)

@@ -88,7 +88,7 @@ def time_configurations(
         for side in sides:
             tell(f"configuration {name}, {side} x {side}")
             scene, rays = configuration_scene(name, side)
-            for method, timing in time_methods(scene, rays, (side, side), methods, frames).items():
+            for method, timing in time_methods(scene, rays, (side, side), methods, frames).timings.items():
                 table = RAY_TRACING_CONFIGURATIONS if method == COMPETITOR else TRILINEAR_CONFIGURATIONS
                 known = printed(table, configuration=name, resolution_px=side**2)
                 rows.append(ConfigurationTime(name, side**2, method, timing.median, timing.min, known))
@@ -113,7 +113,7 @@ def measure_tessellation(
         truth = _drawn(view, COMPETITOR)
         counted = np.ones(truth.shape[:2], bool)
         for (way, factor), method in chosen.items():
-            timing = time_methods(scene, rays, view.size, [method], frames)[method]
+            timing = time_methods(scene, rays, view.size, [method], frames).timings[method]
             error = color_errors(truth, _drawn(view, method), counted).relative_error
             known = {"configuration": name, "resolution_px": side**2, "tessellation_factor": factor}
             table = TESSELLATION.get(way)

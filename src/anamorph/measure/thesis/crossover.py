@@ -63,11 +63,12 @@ def crossovers(rows: Sequence[RandomTime], axis: str) -> list[Crossover]:
     places: dict[tuple[float, float, float], dict[str, float]] = {}
     for row in rows:
         key = (row.roughness, getattr(row, other), getattr(row, axis))
-        places.setdefault(key, {})[row.method] = row.ms
+        if row.ms:
+            places.setdefault(key, {})[row.method] = row.ms
     lines: dict[tuple[str, float, float], list[tuple[float, float]]] = {}
     for (roughness, fixed, value), times in sorted(places.items()):
         for method, ms in times.items():
-            if method != COMPETITOR:
+            if method != COMPETITOR and COMPETITOR in times:
                 lines.setdefault((method, roughness, fixed), []).append((value, times[COMPETITOR] / ms))
     return [
         Crossover(method, (("roughness", roughness), (other, fixed)), axis, *zip(*line, strict=True))

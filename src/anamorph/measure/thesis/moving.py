@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
+from anamorph.errors import AnamorphError
 from anamorph.frame import View
 from anamorph.measure.timing import ORBIT, Timing, eye_path, time_in_turn
 from anamorph.methods import parse
@@ -40,9 +41,24 @@ def open_sessions(view: View, methods: Sequence[str]) -> dict[str, Session]:
     return opened
 
 
+@dataclass(frozen=True)
+class Times:
+    """What a frame takes by each method, milliseconds, and why some could not draw it."""
+
+    timings: dict[str, Timing]
+    refusals: dict[str, str]
+
+
 def time_methods(
     scene: Scene, camera: RayMesh | None, size: tuple[int, int], methods: Sequence[str], frames: int
-) -> dict[str, Timing]:
-    """Milliseconds a frame by each method, which take turns; without a `camera`, that of the scene."""
+) -> Times:
+    """Time methods, which take turns; without a `camera`, that of the scene."""
     view = View(scene, camera or scene.camera, size)
-    return time_in_turn(open_sessions(view, methods), camera_path(view, frames), frames)
+    sessions, refusals = open_sessions(view, methods), {}
+    for name in methods:
+        try:
+            sessions[name].draw(view.camera)
+        except AnamorphError as error:
+            refusals[name] = str(error)
+            del sessions[name]
+    return Times(time_in_turn(sessions, camera_path(view, frames), frames), refusals)

@@ -5,10 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 
-from anamorph.measure.thesis.moving import time_methods
+from anamorph.measure.thesis.moving import Times, time_methods
 from anamorph.measure.thesis.printed import printed, random_table
 from anamorph.measure.thesis.random_scene import random_ray_mesh, random_triangles
-from anamorph.measure.timing import Timing
 
 
 @dataclass(frozen=True, order=True)
@@ -28,16 +27,20 @@ class Place:
 
 @dataclass(frozen=True)
 class RandomTime:
-    """What a frame takes at one `Place`, milliseconds; `printed_ms` is the thesis's, where it has that place."""
+    """What a frame takes at one `Place`, milliseconds.
+
+    `printed_ms` is the thesis's, where it has that place. Where a method could not draw it, `refusal` says why.
+    """
 
     resolution_px: int
     scene_triangles: int
     trilinear_projections: int
     roughness: float
     method: str
-    ms: float
-    least_ms: float
+    ms: float | None
+    least_ms: float | None
     printed_ms: float | None = None
+    refusal: str = ""
 
     @property
     def pixels_a_ray_triangle(self) -> float:
@@ -77,14 +80,13 @@ def time_random(
         tell(f"{place.scene_triangles:,} triangles, {place.projections} ray triangles, {place.side} x {place.side}")
         size = (place.side, place.side)
         rays = random_ray_mesh(place.quads, size, roughness=place.roughness)
-        timings = time_methods(random_triangles(place.scene_triangles, rays), rays, size, methods, frames)
-        rows += [_row(place, method, timing) for method, timing in timings.items()]
+        times = time_methods(random_triangles(place.scene_triangles, rays), rays, size, methods, frames)
+        rows += [_row(place, method, times) for method in methods]
     return rows
 
 
-def _row(place: Place, method: str, timing: Timing) -> RandomTime:
-    pixels = place.side**2
-    known = None
+def _row(place: Place, method: str, times: Times) -> RandomTime:
+    pixels, known = place.side**2, None
     if place.roughness == 1.0:
         known = printed(
             random_table(method),
@@ -92,6 +94,8 @@ def _row(place: Place, method: str, timing: Timing) -> RandomTime:
             scene_triangles=place.scene_triangles,
             trilinear_projections=place.projections,
         )
+    timing = times.timings.get(method)
     return RandomTime(
-        pixels, place.scene_triangles, place.projections, place.roughness, method, timing.median, timing.min, known
-    )
+        pixels, place.scene_triangles, place.projections, place.roughness, method,
+        timing and timing.median, timing and timing.min, known, times.refusals.get(method, ""),
+    )  # fmt: skip

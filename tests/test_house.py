@@ -26,7 +26,7 @@ BELOW: dict[str, set[str]] = {
     "rays": {"scene", "raymesh", "embree"},
     "optics": {"scene", "raymesh", "rays"},
     "trilinear": {"scene", "raymesh", "projection"},
-    "cameras": {"scene", "raymesh"},
+    "cameras": {"scene", "raymesh", "optics"},
     "gpu": {"scene", "frame", "projection"},
     "methods": {"scene", "raymesh", "rays", "optics", "frame", "projection", "gpu", "cameras", "trilinear"},
     "measure": {"scene", "optics", "frame", "gpu", "methods"},

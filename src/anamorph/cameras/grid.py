@@ -10,6 +10,9 @@ from anamorph.raymesh import RayMesh, RayStatus
 
 Size = tuple[int, int]
 
+OPPOSITE = 1e-9 - 1.0
+"""The least cosine between the directions of two corners of a triangle."""
+
 
 def from_grid(
     origins: ArrayLike,
@@ -49,6 +52,12 @@ def from_grid(
     if not lengths.all():
         row, column = np.argwhere(lengths == 0.0)[0]
         raise AnamorphError(f"camera: directions at row {row}, column {column} are 0; give the way that the ray goes")
+    faces = _faces(*starts.shape[:2])
+    units = (ways / lengths[..., None]).reshape(-1, 3)[faces]
+    if (np.sum(units * np.roll(units, 1, axis=1), axis=2) < OPPOSITE).any():
+        raise AnamorphError(
+            "camera: directions of neighbours are opposite, with none between; give more rows or columns"
+        )
     picture = np.ones(starts.shape)
     picture[..., 0] = _lines("columns", columns, starts.shape[1], width)
     picture[..., 1] = _lines("rows", rows, starts.shape[0], height)[:, None]
@@ -56,7 +65,7 @@ def from_grid(
         picture=picture.reshape(-1, 3),
         origins=starts.reshape(-1, 3),
         directions=ways.reshape(-1, 3),
-        faces=_faces(*starts.shape[:2]),
+        faces=faces,
         status=np.full(starts.shape[0] * starts.shape[1], RayStatus.OK, np.uint8),
     )
 

@@ -30,6 +30,8 @@ def multi_perspective(
     the other.
 
     The rays are continuous, and so is the picture of a thing that all of them see; a thing may be seen more than once.
+    What lies beyond where the rays of the transition cross is seen reversed in it: to walk around a thing from its left
+    side to its front, let the inner borders of both views meet on it, so that the rays cross within.
 
     Parameters
     ----------

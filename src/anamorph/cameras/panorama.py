@@ -5,16 +5,16 @@ from __future__ import annotations
 import numpy as np
 
 from anamorph.cameras.grid import Size, checked_count, checked_number, from_grid
-from anamorph.cameras.linear import lines_of_sight
 from anamorph.raymesh import RayMesh
 from anamorph.scene.camera import Camera
+from anamorph.scene.checks import check_camera
 
 
 def panorama(camera: Camera, size: Size, angle: float = 360.0, columns: int = 36) -> RayMesh:
     """What `camera` sees as it turns about its own upright axis, on a cylinder about it.
 
     The cylinder has flat sides, one for each column: in a column the picture is that of a pinhole, and a straight line
-    bends only where columns meet. With 36 of them it is half a column's angle, 5 degrees, from the cylinder's picture.
+    bends only where columns meet.
 
     Parameters
     ----------
@@ -34,9 +34,8 @@ def panorama(camera: Camera, size: Size, angle: float = 360.0, columns: int = 36
     """
     count = checked_count("columns", columns)
     turn = np.radians(checked_number("angle", angle, 0.0, min(180.0 * count, 1e6), "degrees"))
-    height = float(np.tan(np.radians(camera.field_of_view) / 2.0))
-    # Checks camera and size as well.
-    lines_of_sight(camera, np.zeros(2), size)
+    check_camera(camera, "camera")
+    height = np.tan(np.radians(camera.field_of_view) / 2.0)
     right, up, forward = camera.axes()
     around = np.linspace(-turn / 2.0, turn / 2.0, count + 1)[:, None]
     level = np.sin(around) * right + np.cos(around) * forward

@@ -58,9 +58,8 @@ def refracting_plane(
     sight = lines_of_sight(camera, grid_points(size, (count, count)), size)
     away = 0.5 * target_distance(camera) if distance is None else distance
     checked_number("distance", away, 0.0, np.inf, "metres")
-    bent = (index - 1.0) * away if focus is None else focus
-    if focus is None and index == 1.0:
-        bent = away
+    # With an index of 1 any normals do.
+    bent = ((index - 1.0) * away or away) if focus is None else focus
     if not np.isfinite(bent) or bent == 0.0:
         raise AnamorphError(f"camera: focus is {bent}; give metres from the plane to where its normals meet, not 0")
     offsets = (away * sight).reshape(-1, 3)
@@ -70,6 +69,7 @@ def refracting_plane(
     directions, total = refract(offsets / lengths, normals, 1.0 / index)
     behind = np.sum(offsets * normals, axis=1) >= 0.0
     # As long as the eye's distance, with which an index of 1 gives the pinhole's picture exactly.
-    mesh = from_grid((camera.position + offsets).reshape(sight.shape), (lengths * directions).reshape(sight.shape), size)
+    directions *= lengths
+    mesh = from_grid(camera.position + away * sight, directions.reshape(sight.shape), size)
     status = np.where(total, RayStatus.TOTAL_REFLECTION, RayStatus.OK)
     return replace(mesh, status=np.where(behind, RayStatus.BACK_FACING, status).astype(np.uint8))

@@ -50,7 +50,7 @@ SCENES: dict[str, BuiltIn] = {
         BuiltIn("torus", "a closed mirror ring on its exact surface, over a chequered floor", torus),
         BuiltIn("deforming", "a convex mirror over a rolling sea with flags: 300,000 moving triangles", deforming),
         BuiltIn("cube-in-sphere", "a numbered cube over a board in a small part of a mirror ball", cube_in_sphere),
-        BuiltIn("cube-in-wavy-mirror", "the same in a flat mirror with random normals, as at a fair", cube_in_wavy_mirror),
+        BuiltIn("cube-in-wavy-mirror", "the same in a flat mirror with random normals", cube_in_wavy_mirror),
     )
 }
 

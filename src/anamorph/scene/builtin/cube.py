@@ -30,7 +30,11 @@ COLORS: tuple[Rgb, ...] = (
     (226, 112, 92), (112, 176, 96), (236, 188, 84), (98, 148, 212), (240, 234, 218), (176, 124, 192),
 )  # fmt: skip
 
-CAMERA = Camera(position=(-1.7, 2.5, 3.4), target=(0.0, -0.25, 0.0), field_of_view=47.0)
+CAMERA = Camera(position=(-1.9, 3.5, 3.3), target=(0.0, -0.15, 0.0), field_of_view=46.0)
+"""Figures 6.3, 6.4 and 7.6: the board reaches the picture's borders, and the cube is in the middle third."""
+LEFT = Camera(position=(-3.6, 0.9, -0.55), target=(-0.5, 0.0, -0.55), field_of_view=28.0)
+FRONT = Camera(position=(0.55, 0.9, 3.6), target=(0.55, 0.0, 0.5), field_of_view=28.0)
+"""The two views of Figure 6.7. Their inner borders meet on the cube, so that its corner fills what is between."""
 
 _TOWARD = np.array([-0.35, 0.8, 0.6])
 LIGHTS = (
@@ -78,7 +82,8 @@ def numbers() -> Texture:
     for number, color in enumerate(COLORS):
         row, column = divmod(number, 3)
         left, top = column * field, row * field
-        ink = tuple(int(0.3 * channel) for channel in color)
+        red, green, blue = color
+        ink = (red * 3 // 10, green * 3 // 10, blue * 3 // 10)
         draw.rectangle((left, top, left + field - 1, top + field - 1), fill=color)
         draw.rectangle((left + 10, top + 10, left + field - 11, top + field - 11), outline=ink, width=8)
         centered(draw, (left + field / 2, top + field / 2 - 4), str(number + 1), 190, ink)

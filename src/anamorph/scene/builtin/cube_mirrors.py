@@ -20,10 +20,10 @@ QUADS = 5
 MARGIN = 1.01
 """The mirror is seen a little larger than the square picture, so that rounding opens no gap at its border."""
 
-BALL = Sphere(np.array([0.0, 0.6, -2.6]), 1.2)
-BALL_CAMERA = Camera(position=(0.0, 0.75, -1.15), target=(0.0, 0.5, -1.6), field_of_view=60.0)
+BALL = Sphere(np.array([-1.4, 1.5, -2.0]), 1.0)
+BALL_CAMERA = Camera(position=(-0.75, 1.1, -0.9), target=(-1.4, 1.24, -2.0), field_of_view=52.0)
 
-WAVY_CAMERA = Camera(position=(0.0, 0.9, 1.4), target=(0.0, 0.25, -2.0), field_of_view=52.0)
+WAVY_CAMERA = Camera(position=(0.9, 1.3, -0.8), target=(0.0, -0.1, -4.0), field_of_view=50.0)
 WAVY_PLACE = -2.0
 """The flat mirror's z, metres; it faces +z."""
 WAVE = 4.0
@@ -32,7 +32,7 @@ SEED = 7
 
 
 def cube_in_sphere(quads: int = QUADS) -> Scene:
-    """The built-in scene `cube-in-sphere`, whose mirror has `quads` x `quads` quads: Figures 7.4 (b) to (f) have 1 to 5."""
+    """The built-in scene `cube-in-sphere`; Figures 7.4 (b) to (f) are those of 1 x 1 to 5 x 5 `quads`."""
     camera = BALL_CAMERA
     directions = _sight(camera, quads)
     offset = np.asarray(camera.position) - BALL.center
@@ -76,7 +76,7 @@ def cube_in_wavy_mirror(degrees: float = WAVE, seed: int = SEED) -> Scene:
 
 def _sight(camera: Camera, quads: int) -> np.ndarray:
     """Unit directions through a grid over a square picture, row by row from the bottom, (N, 3)."""
-    if quads != int(quads) or quads < 1:
+    if not np.isfinite(quads) or quads != int(quads) or quads < 1:
         raise AnamorphError(f"cube-in-sphere: quads is {quads}; give a whole number, 1 or more")
     steps = 0.5 + MARGIN * np.linspace(-0.5, 0.5, int(quads) + 1)
     pixels = np.stack(np.meshgrid(steps, 1.0 - steps), axis=-1).reshape(-1, 2)

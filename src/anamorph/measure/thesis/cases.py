@@ -24,8 +24,6 @@ TRUTH_SIDE = 4
 """The truth has 16 samples a pixel."""
 GOAL_SIDE = 2
 """Equal quality is that of the tracer with 4 samples a pixel."""
-SLACK = 1.02
-"""How much larger a FLIP counts as not larger: methods round differently."""
 SPHERE_RADIUS = 2.0
 """Of the sphere around the cube, metres: it clears the corners, which are 0.87 m from the middle."""
 
@@ -46,8 +44,9 @@ class Case:
 class CaseTime:
     """What a frame takes, milliseconds, and what equal quality takes.
 
-    `flip` is that of one sample a pixel against 16 of the tracer. `samples` is the least number of samples a pixel, of
-    1, 4, 9 and 16, whose FLIP is not larger than the tracer's with 4; `equal_quality_ms` is so many times `ms`.
+    `flip` is that of one sample a pixel against 16 of the tracer. `samples` is how many samples a pixel have the FLIP
+    of the tracer with 4, between 1, 4, 9 and 16 by interpolation in logarithms; None where 16 are not enough.
+    `equal_quality_ms` is so many times `ms`.
     """
 
     figure: str
@@ -59,7 +58,7 @@ class CaseTime:
     ms: float
     least_ms: float
     flip: float
-    samples: int | None
+    samples: float | None
     equal_quality_ms: float | None
     printed_ms: float
 
@@ -85,7 +84,7 @@ def _made(figure: str, size: tuple[int, int], projections: int) -> tuple[Scene, 
         return cube, multi_perspective(above, replace(CAMERA, position=(x, 0.4, z)), size)
     if figure == "6.9":
         alone = replace(cube, meshes=cube.meshes[:1])
-        return alone, inward_sphere((0.0, 0.0, 0.0), SPHERE_RADIUS, size, quads, quads, pole=0.0)
+        return alone, inward_sphere((0.0, 0.0, 0.0), SPHERE_RADIUS, size, quads, quads)
     if figure == "7.5":
         return cube_in_wavy_mirror(), None
     if figure.startswith("7.4"):
@@ -102,6 +101,16 @@ def averaged(session: Session, camera: Camera | RayMesh, side: int) -> np.ndarra
             session.draw(camera, (float(x), float(y)))
             total = total + session.frame().color.astype(float)
     return np.asarray(total) / side**2
+
+
+def samples_for(goal: float, flips: Sequence[float]) -> float | None:
+    """How many samples a pixel have the FLIP `goal`, where `flips` are those of 1, 4, 9 ... samples; at least 1."""
+    if flips[-1] > goal:
+        return None
+    counts = np.arange(1, len(flips) + 1) ** 2
+    # FLIP falls with the samples: both run backwards, as interpolation wants ascending values.
+    heights = np.log(np.maximum(np.asarray(flips), np.finfo(float).tiny))[::-1]
+    return float(np.exp(np.interp(np.log(max(goal, np.finfo(float).tiny)), heights, np.log(counts)[::-1])))
 
 
 def time_cases(
@@ -125,9 +134,9 @@ def time_cases(
         for specification, method in specifications.items():
             timing = times.timings[specification]
             flips = [_flip(truth, sessions[specification], view, 1)]
-            while flips[-1] > SLACK * goal and len(flips) < TRUTH_SIDE:
+            while flips[-1] > goal and len(flips) < TRUTH_SIDE:
                 flips.append(_flip(truth, sessions[specification], view, len(flips) + 1))
-            samples = len(flips) ** 2 if flips[-1] <= SLACK * goal else None
+            samples = samples_for(goal, flips)
             known = float(printed["ray_ms" if method == COMPETITOR else "trilinear_ms"])
             timed.append(
                 CaseTime(

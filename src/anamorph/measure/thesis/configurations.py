@@ -115,16 +115,18 @@ def measure_tessellation(
         for (way, factor), method in chosen.items():
             timing = time_methods(scene, rays, view.size, [method], frames).timings[method]
             error = color_errors(truth, _drawn(view, method), counted).relative_error
-            known = {"configuration": name, "resolution_px": side**2, "tessellation_factor": factor}
-            table = TESSELLATION.get(way)
-            rows.append(
-                TessellationError(
-                    name, side**2, way, factor, timing.median, timing.min, error,
-                    printed(table, **known) if table else None,
-                    printed(table, "relative_error", **known) if table else None,
-                )
-            )  # fmt: skip
+            known = _printed(name, side, way, factor)
+            rows.append(TessellationError(name, side**2, way, factor, timing.median, timing.min, error, *known))
     return rows
+
+
+def _printed(name: str, side: int, way: str, factor: int) -> tuple[float | None, float | None]:
+    """Time and relative error as printed."""
+    table, key = TESSELLATION.get(way), (name, side**2, factor)
+    if table is None:
+        return None, None
+    named = dict(zip(("configuration", "resolution_px", "tessellation_factor"), key, strict=True))
+    return printed(table, "ms", **named), printed(table, "relative_error", **named)
 
 
 def _drawn(view: View, method: str) -> np.ndarray:

@@ -50,7 +50,7 @@ def random_table(method: str) -> str:
 
 
 def configurations() -> dict[str, np.ndarray]:
-    """The examples of tables C.1 and C.2: by configuration, rows of scene corner, view corner and view direction (3, 9).
+    """The examples of tables C.1 and C.2: by configuration, (3, 9): scene corner, view corner, view direction.
 
     The row printed 9 is under its right name, 2,3.
     """

@@ -56,7 +56,9 @@ def random_triangles(count: int, rays: RayMesh, seed: int = 0) -> Scene:
     offsets -= offsets.mean(axis=1, keepdims=True)
     offsets /= np.linalg.norm(offsets, axis=2, keepdims=True).max(axis=1, keepdims=True)
     radius = RADIUS * np.sqrt(min(1.0, MOST_OF_ALL_SIZE / count))
-    return loose_triangles("random-triangles", middles[:, None] + radius * offsets, generator.uniform(size=(count, 3, 3)))
+    return loose_triangles(
+        "random-triangles", middles[:, None] + radius * offsets, generator.uniform(size=(count, 3, 3))
+    )
 
 
 def loose_triangles(name: str, corners: np.ndarray, colors: np.ndarray) -> Scene:

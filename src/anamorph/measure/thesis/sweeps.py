@@ -12,7 +12,7 @@ from anamorph.measure.thesis.random_scene import random_ray_mesh, random_triangl
 
 @dataclass(frozen=True, order=True)
 class Place:
-    """A square picture of random triangles: its side in pixels, quads along a side of the ray mesh, and its roughness."""
+    """A square picture of random triangles: its side in pixels, quads along a side of the ray mesh, its roughness."""
 
     side: int
     scene_triangles: int
@@ -97,5 +97,5 @@ def _row(place: Place, method: str, times: Times) -> RandomTime:
     timing = times.timings.get(method)
     return RandomTime(
         pixels, place.scene_triangles, place.projections, place.roughness, method,
-        timing and timing.median, timing and timing.min, known, times.refusals.get(method, ""),
+        timing.median if timing else None, timing.min if timing else None, known, times.refusals.get(method, ""),
     )  # fmt: skip

@@ -1,0 +1,78 @@
+"""Plots as PNG, by matplotlib where it is installed: the extra `plots`."""
+
+from __future__ import annotations
+
+import io
+import logging
+from collections.abc import Sequence
+from dataclasses import dataclass
+from importlib.util import find_spec
+from pathlib import Path
+
+from anamorph.output import whole_file
+
+INSTALL = "anamorph[plots]"
+DASHES = ("-", "--", ":", "-.")
+MARKERS = ("o", "s", "^", "D")
+
+
+@dataclass(frozen=True)
+class Line:
+    """One line of a plot: `group` has a colour, `kind` (the method) a dash and a marker."""
+
+    group: str
+    kind: str
+    x: tuple[float, ...]
+    y: tuple[float, ...]
+
+
+@dataclass(frozen=True)
+class Panel:
+    """Axes with their lines; `logarithmic` holds for both axes."""
+
+    title: str
+    x: str
+    y: str
+    lines: tuple[Line, ...]
+    logarithmic: bool = True
+
+
+def can_plot() -> bool:
+    """Whether matplotlib is installed."""
+    return find_spec("matplotlib") is not None
+
+
+def save_plot(path: Path, title: str, panels: Sequence[Panel]) -> None:
+    """Draw panels side by side, those with lines, with one legend below all of them."""
+    logging.getLogger("matplotlib").setLevel(logging.ERROR)
+    from matplotlib import colormaps
+    from matplotlib.figure import Figure
+    from matplotlib.lines import Line2D
+
+    panels = [panel for panel in panels if panel.lines]
+    groups = list(dict.fromkeys(line.group for panel in panels for line in panel.lines))
+    kinds = list(dict.fromkeys(line.kind for panel in panels for line in panel.lines))
+    # The map's last, pale yellow cannot be seen on white.
+    colors = {group: colormaps["viridis"](0.88 * i / max(1, len(groups) - 1)) for i, group in enumerate(groups)}
+    styles = {
+        kind: {"linestyle": DASHES[i % len(DASHES)], "marker": MARKERS[i % len(MARKERS)], "markersize": 4}
+        for i, kind in enumerate(kinds)
+    }
+    figure = Figure(figsize=(5.6 * len(panels), 5.4), layout="constrained", dpi=110)
+    figure.suptitle(title)
+    for place, panel in enumerate(panels):
+        axes = figure.add_subplot(1, len(panels), place + 1, title=panel.title, xlabel=panel.x, ylabel=panel.y)
+        for line in panel.lines:
+            axes.plot(line.x, line.y, color=colors[line.group], **styles[line.kind])
+        if panel.logarithmic:
+            axes.set(xscale="log", yscale="log")
+        else:
+            axes.set_ylim(bottom=0.0)
+        axes.grid(True, which="major", alpha=0.3)
+    handles = [Line2D([], [], color=color, linewidth=3, label=group) for group, color in colors.items()]
+    handles += [Line2D([], [], color="black", label=kind, **style) for kind, style in styles.items()]
+    figure.legend(handles=handles, loc="outside lower center", ncols=min(5, len(handles)))
+    picture = io.BytesIO()
+    figure.savefig(picture, format="png")
+    with whole_file(path) as file:
+        file.write(picture.getvalue())

@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from anamorph.measure.thesis.configurations import EXACT_EDGES, STRAIGHT, ConfigurationTime, TessellationError
+from anamorph.measure.thesis.configurations import EXACT_EDGES, ConfigurationTime, TessellationError
 from anamorph.measure.thesis.plots import Line, Panel
 from anamorph.measure.thesis.printed import COMPETITOR
 from anamorph.measure.thesis.sweeps import RandomTime
@@ -52,8 +52,8 @@ def _named(group: tuple[str, Any] | str) -> str:
 
 
 def _as_printed(row: Any) -> str:
-    """The thesis's trilinear projection has straight edges."""
-    return row.method if row.method == COMPETITOR or "clip=" in row.method else STRAIGHT
+    """What a printed line is called: the thesis has one way to draw, with straight edges."""
+    return row.method if row.method == COMPETITOR else "trilinear as printed"
 
 
 def _speeds(rows: Sequence[Any], place: Key) -> list[tuple[Any, float, float | None]]:
@@ -80,7 +80,7 @@ def _both_speeds(rows: Sequence[Any], place: Key, x: Key, group: Key, label: str
     speeds = _speeds(rows, place)
     ours = _lines(speeds, lambda s: x(s[0]), lambda s: s[1], lambda s: group(s[0]), lambda s: s[0].method)
     theirs = _lines(speeds, lambda s: x(s[0]), lambda s: s[2], lambda s: group(s[0]), lambda s: _as_printed(s[0]))
-    return Panel(HERE, label, SPEED, ours), Panel(THESIS, label, SPEED, theirs)
+    return Panel(HERE, label, SPEED, ours, even=1.0), Panel(THESIS, label, SPEED, theirs, even=1.0)
 
 
 def _pixels(row: Any) -> int:
@@ -210,6 +210,9 @@ def growth_plots(rows: Sequence[RandomTime]) -> list[Plot]:
             lambda s: _by_count(s[0]),
             lambda s: s[0].method,
         )
-        panels = (Panel("time", TRIANGLES, TIME, times), Panel("speed", "pixels a ray triangle", SPEED, share))
+        panels = (
+            Panel("time", TRIANGLES, TIME, times),
+            Panel("speed", "pixels a ray triangle", SPEED, share, even=1.0),
+        )
         plots.append(Plot(f"growth-roughness-{roughness:g}", f"Growth and crossover, roughness {roughness:g}", panels))
     return plots

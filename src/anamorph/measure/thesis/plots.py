@@ -9,6 +9,8 @@ from dataclasses import dataclass
 from importlib.util import find_spec
 from pathlib import Path
 
+import numpy as np
+
 from anamorph.output import whole_file
 
 INSTALL = "anamorph[plots]"
@@ -28,13 +30,14 @@ class Line:
 
 @dataclass(frozen=True)
 class Panel:
-    """Axes with their lines; `logarithmic` holds for both axes."""
+    """Axes with their lines; `logarithmic` holds for both axes, and a thin line marks the height `even`."""
 
     title: str
     x: str
     y: str
     lines: tuple[Line, ...]
     logarithmic: bool = True
+    even: float | None = None
 
 
 def can_plot() -> bool:
@@ -48,6 +51,7 @@ def save_plot(path: Path, title: str, panels: Sequence[Panel]) -> None:
     from matplotlib import colormaps
     from matplotlib.figure import Figure
     from matplotlib.lines import Line2D
+    from matplotlib.ticker import LogLocator, NullLocator
 
     panels = [panel for panel in panels if panel.lines]
     groups = list(dict.fromkeys(line.group for panel in panels for line in panel.lines))
@@ -66,8 +70,17 @@ def save_plot(path: Path, title: str, panels: Sequence[Panel]) -> None:
             axes.plot(line.x, line.y, color=colors[line.group], **styles[line.kind])
         if panel.logarithmic:
             axes.set(xscale="log", yscale="log")
+            axes.yaxis.set_major_formatter("{x:,g}")
+            axes.yaxis.set_minor_locator(LogLocator(subs=(2.0, 5.0)))
+            axes.yaxis.set_minor_formatter("{x:,g}")
+            axes.tick_params(axis="y", which="minor", labelsize=7)
         else:
             axes.set_ylim(bottom=0.0)
+        places = _apart(sorted({x for line in panel.lines for x in line.x}), panel.logarithmic)
+        axes.set_xticks(places, [f"{x:,.0f}" for x in places], rotation=40, ha="right", rotation_mode="anchor")
+        axes.xaxis.set_minor_locator(NullLocator())
+        if panel.even is not None:
+            axes.axhline(panel.even, color="gray", linewidth=1)
         axes.grid(True, which="major", alpha=0.3)
     handles = [Line2D([], [], color=color, linewidth=3, label=group) for group, color in colors.items()]
     handles += [Line2D([], [], color="black", label=kind, **style) for kind, style in styles.items()]
@@ -76,3 +89,13 @@ def save_plot(path: Path, title: str, panels: Sequence[Panel]) -> None:
     figure.savefig(picture, format="png")
     with whole_file(path) as file:
         file.write(picture.getvalue())
+
+
+def _apart(values: Sequence[float], logarithmic: bool) -> list[float]:
+    """Those of ascending values that are far enough from the one before to be written below the axis."""
+    heights = np.log(values) if logarithmic else np.asarray(values, float)
+    least, chosen = 0.04 * (heights[-1] - heights[0]), [0]
+    for place, height in enumerate(heights):
+        if height - heights[chosen[-1]] > least:
+            chosen.append(place)
+    return [values[place] for place in chosen]

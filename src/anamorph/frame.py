@@ -78,6 +78,8 @@ class Frame:
         itself knows of its error.
     ray_origin, ray_direction : (H, W, 3) float32, optional
         The last ray of each pixel's path, from methods that have one for every pixel; zero where there is none.
+    ray_mesh : bool
+        Whether the camera was a ray mesh.
     figures : mapping of str to float
         What the method tells of itself, with the seen buffers: see `SpecularDrawing.figures`.
     """
@@ -90,6 +92,7 @@ class Frame:
     deviation: np.ndarray | None = None
     ray_origin: np.ndarray | None = None
     ray_direction: np.ndarray | None = None
+    ray_mesh: bool = False
     figures: Mapping[str, float] = field(default_factory=dict)
 
     @property

@@ -44,7 +44,7 @@ def accumulate(view: View, session: Session, seen: bool = False, tell: Drawn = l
         tell(done, view.samples**2)
     color = (total / view.samples**2).astype(np.float32)
     if not seen:
-        return Frame(color)
+        return Frame(color, ray_mesh=isinstance(view.camera, RayMesh))
     if view.samples > 1:
         session.draw(view.camera)
     return dataclasses.replace(session.frame(seen=True), color=color)

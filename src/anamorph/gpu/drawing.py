@@ -72,7 +72,7 @@ def make_pipeline(
     layouts = [shading_layout(), projection_layout(), *groups]
     return device.create_render_pipeline(
         layout=device.create_pipeline_layout(bind_group_layouts=layouts),
-        vertex={"module": module, "entry_point": vertex, "buffers": list(buffers)},
+        vertex={"module": module, "entry_point": vertex, "buffers": list(buffers), "constants": constants or {}},
         fragment={
             "module": module,
             "entry_point": fragment,

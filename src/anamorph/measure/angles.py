@@ -62,7 +62,7 @@ def ray_footprints(
     origins, directions : (H, W, 3)
         S and d.
     surface : (H, W)
-        Which specular surface each pixel looks at.
+        Which specular surface each pixel looks at; any numbers that tell them apart.
     distances : (H, W)
         t, metres; infinite for the change of the direction alone, radians a pixel.
 

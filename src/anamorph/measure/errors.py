@@ -1,7 +1,7 @@
 """How wrong a frame is: its errors against the truth, as figures and pixel by pixel.
 
-Only pixels that look at a specular surface in the truth, and have a last ray there, count. Those within one pixel of
-a silhouette in the truth are counted apart, because there a shift of any size shows another object.
+Only pixels that have a last ray in the truth, and look at a specular surface there or through a ray mesh, count. Those
+within one pixel of a silhouette in the truth are counted apart, because there a shift of any size shows another object.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ class Statistics:
 
 @dataclass(frozen=True, eq=False)
 class ErrorMaps:
-    """The errors of every pixel, zero where the truth looks at no specular surface.
+    """The errors of every pixel, zero for those that do not count.
 
     Parameters
     ----------
@@ -35,8 +35,7 @@ class ErrorMaps:
         Milliradians.
     pixels : (H, W) float64
     specular, silhouette, other_object : (H, W) bool
-        Pixels that look at a specular surface; of these, those at a silhouette; of the rest, those that see
-        another object.
+        Pixels that count; of these, those at a silhouette; of the rest, those that see another object, or nothing.
     """
 
     angular: np.ndarray
@@ -48,13 +47,13 @@ class ErrorMaps:
 
 @dataclass(frozen=True, eq=False)
 class Errors:
-    """What is wrong with a frame, over the pixels that look at a specular surface in the truth.
+    """What is wrong with a frame, over the pixels that count: see `counted`.
 
     Parameters
     ----------
     angular_mrad : Statistics
-        Angle, at the truth's last specular point, between the truth's last ray and what the frame sees; away from
-        silhouettes, milliradians.
+        Angle, where the truth's last ray begins, between that ray and what the frame sees; away from silhouettes,
+        milliradians.
     pixels : Statistics
         How far one must move in the picture for the truth to see the same; away from silhouettes.
     other_object_percent : float or None
@@ -76,6 +75,12 @@ class Errors:
     maps: ErrorMaps
 
 
+def counted(truth: Frame) -> np.ndarray:
+    """The pixels of the truth, (H, W) bool, that have a last ray, from a specular surface or through a ray mesh."""
+    bent = (_buffer("truth", truth, "specular") != 0) | truth.ray_mesh
+    return bent & (np.linalg.norm(_buffer("truth", truth, "ray_direction"), axis=-1) > 0.0)
+
+
 def measure(truth: Frame, frame: Frame) -> Errors:
     """Errors of `frame` against `truth`, which must carry its last rays; both need their seen buffers."""
     true_color, color = _buffer("truth", truth, "color"), _buffer("frame", frame, "color")
@@ -83,11 +88,16 @@ def measure(truth: Frame, frame: Frame) -> Errors:
         raise AnamorphError(f"truth {true_color.shape} and frame {color.shape} differ in size; draw both at one size")
     surface, true_object = _buffer("truth", truth, "specular"), _buffer("truth", truth, "object_id")
     object_id, looks_at = _buffer("frame", frame, "object_id"), _buffer("frame", frame, "specular")
-    specular = (surface != 0) & (np.linalg.norm(_buffer("truth", truth, "ray_direction"), axis=-1) > 0.0)
-    silhouette = specular & silhouettes(true_object, surface)
+    specular = counted(truth)
+    # Pixels that do not count border on those that do, as another surface does.
+    through = np.where(specular, surface.astype(np.int64), -1)
+    silhouette = specular & silhouettes(true_object, through)
     inside = specular & ~silhouette
-    other_object = inside & ((object_id != true_object) | (looks_at == 0))
-    angular, pixels = _geometry(truth, frame, specular)
+    misses = (looks_at == 0) & (surface != 0)
+    # The sky, too, is seen in some direction.
+    shows_nothing = (object_id == 0) & ~_buffer("frame", frame, "position").any(axis=-1)
+    other_object = inside & ((object_id != true_object) | misses | shows_nothing)
+    angular, pixels = _geometry(truth, frame, specular, through)
     colors = color_errors(true_color, color, specular)
     return Errors(
         angular_mrad=statistics(angular[inside]),
@@ -113,8 +123,8 @@ def silhouettes(*labels: np.ndarray) -> np.ndarray:
     return found
 
 
-def _geometry(truth: Frame, frame: Frame, specular: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Angular errors in milliradians and errors in pixels, (H, W) each."""
+def _geometry(truth: Frame, frame: Frame, specular: np.ndarray, through: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Angular errors in milliradians and errors in pixels, (H, W) each, of pixels that look `through` surfaces."""
     origin = _buffer("truth", truth, "ray_origin").astype(float)
     direction = normalized(_buffer("truth", truth, "ray_direction").astype(float))
     position, object_id = _buffer("frame", frame, "position")[specular], _buffer("frame", frame, "object_id")[specular]
@@ -125,7 +135,7 @@ def _geometry(truth: Frame, frame: Frame, specular: np.ndarray) -> tuple[np.ndar
     along = np.einsum("ij,ij->i", position - origin[specular], direction[specular])
     distances = np.full(specular.shape, np.inf)
     distances[specular] = np.where((object_id == 0) | (along <= 0.0), np.inf, along)
-    footprints = ray_footprints(origin, direction, _buffer("truth", truth, "specular"), distances)
+    footprints = ray_footprints(origin, direction, through, distances)
     pixels = np.zeros(specular.shape)
     pixels[specular] = picture_distances(
         origin[specular],

@@ -176,7 +176,7 @@ class DrawingSession:
         """Read the last frame back."""
         color = read_texture(self._target.textures[0])[..., :3].astype(np.float32)
         if not seen:
-            return Frame(color)
+            return Frame(color, ray_mesh=not self._stage.pinhole)
         stage = self._stage
         target = make_target(stage.view.size, SEEN_FORMATS)
         encoder = get_device().create_command_encoder()
@@ -200,5 +200,6 @@ class DrawingSession:
             deviation=deviation,
             ray_origin=origin,
             ray_direction=direction,
+            ray_mesh=not stage.pinhole,
             figures=self._drawing.figures(),
         )

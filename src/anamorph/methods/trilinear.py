@@ -13,20 +13,24 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
+from typing import Any
+
 import numpy as np
 import wgpu
 
 from anamorph.frame import View
-from anamorph.gpu.drawing import draw_mesh, make_pipeline, shader_module
-from anamorph.gpu.targets import COLOR_FORMAT, SEEN_FORMATS, Target
+from anamorph.gpu.bindings import bind, layout_of, texture
+from anamorph.gpu.drawing import bind_scene, make_pipeline, shader_module
+from anamorph.gpu.targets import COLOR_FORMAT, SEEN_FORMATS, Target, begin_pass, make_target
 from anamorph.methods.protocol import Method, Session
 from anamorph.methods.session import DrawingSession, Stage
-from anamorph.methods.visibility import RAY_TRIANGLE, Visibility, data_layout, seen_layout
+from anamorph.methods.visibility import RAY_TRIANGLE, Visibility, data_layout, number_texture
 from anamorph.optics.reflection import reflected_rays, reflector
+from anamorph.projection import camera_projection
 from anamorph.raymesh import RayMesh
 from anamorph.scene.camera import Camera
 from anamorph.scene.geometry import Geometry
-from anamorph.trilinear.beams import make_beams
+from anamorph.trilinear.beams import Beams, make_beams
 from anamorph.trilinear.pairs import ALL, FRONTS, Own, Triangles
 from anamorph.trilinear.plan import Planner
 from anamorph.trilinear.tree import Tree, make_tree, moved_tree
@@ -52,18 +56,27 @@ class TrilinearDrawing:
         self._planner = Planner()
         bends = np.array([False, *stage.buffers.bends])
         self._fronts = bends[geometry.face_object]
+        self._colors = make_target(stage.view.size, (COLOR_FORMAT,), depth=self._visibility.depth)
+        views, whole = layout_of(number_texture(), number_texture()), layout_of(texture())
+        self._views = bind(views, self._visibility.views)
+        self._whole = bind(whole, [self._colors.textures[0].create_view()])
         module = shader_module("gpu/vertices.wgsl", "methods/visibility.wgsl", "methods/trilinear.wgsl")
-        vertex, kind = ("sky_vertex", "ray_mesh") if self._bare else ("scene_vertex", "reflected")
-        settings = {"buffers": ()} if self._bare else {"cull": "back"}
+        kind, cull = ("bare", "none") if self._bare else ("surface", "back")
 
-        def pipeline(output: str, formats: tuple[str, ...]) -> wgpu.GPURenderPipeline:
-            return make_pipeline(
-                module, vertex, f"{kind}_{output}", formats,
-                groups=(data_layout(), seen_layout()),
-                depth_compare="greater-equal" if self._bare else "greater", **settings,
-            )  # fmt: skip
+        def pipeline(vertex: str, fragment: str, formats: tuple[str, ...], **settings: Any) -> wgpu.GPURenderPipeline:
+            groups = data_layout(), whole if vertex == "owner" else views
+            entry = f"{kind}_{vertex}_vertex"
+            return make_pipeline(module, entry, fragment, formats, buffers=(), groups=groups, cull=cull, **settings)
 
-        self._color, self._seen = pipeline("color", (COLOR_FORMAT,)), pipeline("seen", SEEN_FORMATS)
+        def shaded(fragment: str, depth: str) -> wgpu.GPURenderPipeline:
+            constants = {"BARE": int(self._bare), "GOES_ON": int(self._fronts.any()), "LEVEL": 1}
+            settings = {"depth_compare": depth, "depth_write": False, "constants": constants}
+            return pipeline("ray", fragment, (COLOR_FORMAT,), **settings)
+
+        # What is not a pass's own is left by its depth, before its shader runs: software runs both sides of a branch.
+        self._shaded = shaded("surface_color", "less"), shaded("surface_sky", "equal")
+        self._composed = pipeline("owner", "composed_color", (COLOR_FORMAT,))
+        self._seen = pipeline("ray", "surface_seen", SEEN_FORMATS)
 
     def deformed(self, geometry: Geometry) -> None:
         """Refit the tree."""
@@ -96,9 +109,26 @@ class TrilinearDrawing:
         triangles = np.zeros(len(picture), RAY_TRIANGLE)
         for corner in range(3):
             triangles[f"corner_{corner}"] = picture[:, corner]
-        triangles["valid"], triangles["face"] = 1, np.maximum(own_face, 0)
+        if not isinstance(camera, RayMesh):
+            self._add_incident(triangles, beams, camera, shift)
+        triangles["valid"], triangles["object"], triangles["face"] = 1, objects, np.maximum(own_face, 0)
         self._visibility.write(triangles, beams, plan, self._fronts)
         self._visibility.draw(encoder, self._stage.projection)
+        render_pass = begin_pass(encoder, self._colors, keep_depth=True)
+        bind_scene(render_pass, self._stage.buffers, self._stage.projection)
+        for pipeline in self._shaded:
+            self._draw(render_pass, pipeline, self._views)
+        render_pass.end()
+
+    def _add_incident(self, triangles: np.ndarray, beams: Beams, camera: Camera, shift: tuple[float, float]) -> None:
+        """Tell the ray triangles how the eye looks at them."""
+        width, height = self._stage.view.size
+        looks = camera_projection(camera, (width, height), shift)
+        x, y = 2.0 / width * looks.right, -2.0 / height * looks.up
+        shown = beams.number
+        triangles["incident_x"], triangles["incident_y"] = x, y
+        start = looks.base - looks.right + looks.up
+        triangles["incident_one"][shown] = start + beams.center[:, :1] * x + beams.center[:, 1:] * y
 
     def complete(self, target: Target, camera: Camera, shift: tuple[float, float]) -> None:
         """There is nothing to mend."""
@@ -107,22 +137,20 @@ class TrilinearDrawing:
         """The pairs carry all that the seen buffers need."""
 
     def draw_color(self, render_pass: wgpu.GPURenderPassEncoder) -> None:
-        """What the rays see."""
-        self._draw(render_pass, self._color)
+        """What the rays see, where it belongs in the picture."""
+        self._draw(render_pass, self._composed, self._whole)
 
     def draw_seen(self, render_pass: wgpu.GPURenderPassEncoder) -> None:
         """The seen buffers."""
-        self._draw(render_pass, self._seen)
+        self._draw(render_pass, self._seen, self._views)
 
-    def _draw(self, render_pass: wgpu.GPURenderPassEncoder, pipeline: wgpu.GPURenderPipeline) -> None:
+    def _draw(
+        self, render_pass: wgpu.GPURenderPassEncoder, pipeline: wgpu.GPURenderPipeline, textures: wgpu.GPUBindGroup
+    ) -> None:
         render_pass.set_pipeline(pipeline)
         self._visibility.bind(render_pass)
-        render_pass.set_bind_group(3, self._visibility.group)
-        if self._bare:
-            render_pass.draw(3)
-            return
-        for index in self.replaced:
-            draw_mesh(render_pass, self._stage.buffers, index)
+        render_pass.set_bind_group(3, textures)
+        render_pass.draw(3 * self._visibility.count)
 
     def figures(self) -> dict[str, float]:
         """Nothing but what the frame shows."""
@@ -145,4 +173,5 @@ METHOD = Method(
     source="Vallance 2005",
     options=Options,
     open=open_session,
+    ray_meshes=True,
 )

@@ -2,6 +2,60 @@
 
 // The scene triangle that each pixel sees, from 1, and whether it is the front of a specular surface; 0 for the sky.
 @group(3) @binding(1) var triangles_seen: texture_2d<u32>;
+// What has been made of that; it is bound alone.
+@group(3) @binding(0) var colors: texture_2d<f32>;
+
+// 1 where some surfaces seen may be specular fronts, behind which the path goes on.
+override GOES_ON: bool = false;
+// 1 for a bare ray mesh, which takes nothing from the light.
+override BARE: bool = false;
+// 1 to draw all ray triangles at no depth. There the depth of what is seen decides: above it are surfaces, at it the sky.
+override LEVEL: bool = false;
+
+struct RayFragment {
+    @builtin(position) @invariant pixel: vec4f,
+    // Of the ray triangle, as functions of the place; behind them the scale's three terms, and the center.
+    @location(0) @interpolate(flat) direction_x: vec4f,
+    @location(1) @interpolate(flat) direction_y: vec4f,
+    @location(2) @interpolate(flat) direction_one: vec4f,
+    @location(3) @interpolate(flat) origin_x: vec4f,
+    @location(4) @interpolate(flat) origin_y: vec4f,
+    @location(5) @interpolate(flat) origin_one: vec3f,
+    @location(6) @interpolate(flat) anchor: vec3f,
+    @location(7) @interpolate(flat) incident_x: vec3f,
+    @location(8) @interpolate(flat) incident_y: vec3f,
+    @location(9) @interpolate(flat) incident_one: vec3f,
+    // The object number, and the ray triangle's own, from 1; 0 where it has no rays.
+    @location(10) @interpolate(flat) numbers: vec2u,
+}
+
+fn ray_fragment(clip: vec4f, number: u32) -> RayFragment {
+    let triangle = ray_triangles[number];
+    return RayFragment(
+        vec4f(clip.xy, select(clip.z, 0.0, LEVEL), clip.w),
+        vec4f(triangle.direction_x, triangle.scale_x),
+        vec4f(triangle.direction_y, triangle.scale_y),
+        vec4f(triangle.direction_one, triangle.scale_one),
+        vec4f(triangle.origin_x, triangle.center_x),
+        vec4f(triangle.origin_y, triangle.center_y),
+        triangle.origin_one,
+        triangle.anchor,
+        triangle.incident_x,
+        triangle.incident_y,
+        triangle.incident_one,
+        vec2u(triangle.object, (number + 1u) * triangle.valid),
+    );
+}
+
+@vertex
+fn surface_ray_vertex(@builtin(vertex_index) index: u32) -> RayFragment {
+    return ray_fragment(surface_clip(ray_triangles[index / 3u], index % 3u), index / 3u);
+}
+
+@vertex
+fn bare_ray_vertex(@builtin(vertex_index) index: u32) -> RayFragment {
+    return ray_fragment(bare_clip(ray_triangles[index / 3u], index % 3u), index / 3u);
+}
 
 struct Ray {
     origin: vec3f,
@@ -10,8 +64,8 @@ struct Ray {
 
 // What a pixel's ray is and what it meets; the rays of the pixels to the right and below tell its footprint.
 struct Sighting {
-    // From 1; 0 where there is no ray.
-    ray_triangle: u32,
+    // Whether the pixel is this ray triangle's.
+    own: bool,
     // From 1; 0 for the sky.
     triangle: u32,
     specular: bool,
@@ -20,27 +74,25 @@ struct Sighting {
     down: Ray,
 }
 
-fn ray_at(triangle: RayTriangle, place: vec2f) -> Ray {
-    let direction = triangle.direction_x * place.x + triangle.direction_y * place.y + triangle.direction_one;
-    let origin = triangle.origin_x * place.x + triangle.origin_y * place.y + triangle.origin_one;
-    let scale = triangle.scale_x * place.x + triangle.scale_y * place.y + triangle.scale_one;
+fn ray_at(fragment: RayFragment, place: vec2f) -> Ray {
+    let direction = fragment.direction_x * place.x + fragment.direction_y * place.y + fragment.direction_one;
+    let origin = fragment.origin_x.xyz * place.x + fragment.origin_y.xyz * place.y + fragment.origin_one;
     // A direction of no length is a ray nowhere.
-    return Ray(triangle.anchor + origin / scale, direction * inverseSqrt(max(dot(direction, direction), 1e-30)));
+    let length = inverseSqrt(max(dot(direction.xyz, direction.xyz), 1e-30));
+    return Ray(fragment.anchor + origin / direction.w, direction.xyz * length);
 }
 
-fn sighting_at(pixel: vec4f) -> Sighting {
-    let texel = vec2u(pixel.xy);
-    let owner = textureLoad(owners, texel, 0).x;
-    let triangle = ray_triangles[max(owner, 1u) - 1u];
-    let seen = textureLoad(triangles_seen, texel, 0).x;
-    let place = pixel.xy - vec2f(triangle.center_x, triangle.center_y);
+fn sighting_at(fragment: RayFragment) -> Sighting {
+    let seen = textureLoad(triangles_seen, vec2u(fragment.pixel.xy), 0).x;
+    let owner = textureLoad(owners, vec2u(fragment.pixel.xy), 0).x;
+    let place = fragment.pixel.xy - vec2f(fragment.origin_x.w, fragment.origin_y.w);
     return Sighting(
-        owner,
+        owner == fragment.numbers.y && owner > 0u,
         seen & ~SPECULAR,
         (seen & SPECULAR) != 0u,
-        ray_at(triangle, place),
-        ray_at(triangle, place + vec2f(1.0, 0.0)),
-        ray_at(triangle, place + vec2f(0.0, 1.0)),
+        ray_at(fragment, place),
+        ray_at(fragment, place + vec2f(1.0, 0.0)),
+        ray_at(fragment, place + vec2f(0.0, 1.0)),
     );
 }
 
@@ -100,16 +152,8 @@ fn point_seen(sighting: Sighting) -> SurfacePoint {
     return point;
 }
 
-// A path that meets a second specular surface goes on as if nothing followed.
-fn sighted_color(sighting: Sighting) -> vec3f {
-    if sighting.triangle == 0u || sighting.specular {
-        return sighted_sky(sighting);
-    }
-    return shade(point_seen(sighting), sighting.ray.direction);
-}
-
 fn sighted(sighting: Sighting, specular: u32) -> Seen {
-    if sighting.ray_triangle == 0u {
+    if !sighting.own {
         return Seen(vec4f(0.0), seen_flags(specular, STATUS_OUTSIDE), 0.0);
     }
     if sighting.triangle == 0u {
@@ -120,26 +164,46 @@ fn sighted(sighting: Sighting, specular: u32) -> Seen {
     return Seen(vec4f(point.position, f32(point.object)), seen_flags(specular, status), 0.0);
 }
 
-@fragment
-fn reflected_color(fragment: SceneFragment) -> @location(0) vec4f {
-    let sighting = sighting_at(fragment.pixel);
-    let incident = normalize(viewing_direction(fragment.pixel.xy));
-    let turned = 0.5 * length(sighting.ray.direction - incident);
-    return vec4f(mirror_reflectance(fragment.object, turned) * sighted_color(sighting), 1.0);
+// What of the light that is seen in a specular surface reaches the eye.
+fn reflectance(fragment: RayFragment, sighting: Sighting) -> vec3f {
+    if BARE {
+        return vec3f(1.0);
+    }
+    let place = fragment.pixel.xy - vec2f(fragment.origin_x.w, fragment.origin_y.w);
+    let incident = fragment.incident_x * place.x + fragment.incident_y * place.y + fragment.incident_one;
+    return mirror_reflectance(fragment.numbers.x, 0.5 * length(sighting.ray.direction - normalize(incident)));
 }
 
 @fragment
-fn reflected_seen(fragment: SceneFragment) -> Seen {
-    return sighted(sighting_at(fragment.pixel), fragment.object);
+fn surface_color(fragment: RayFragment) -> @location(0) vec4f {
+    let sighting = sighting_at(fragment);
+    if !sighting.own {
+        discard;
+    }
+    var color = shade(point_seen(sighting), sighting.ray.direction);
+    if GOES_ON {
+        // As if nothing followed.
+        color = select(color, sighted_sky(sighting), sighting.specular);
+    }
+    return vec4f(reflectance(fragment, sighting) * color, 1.0);
 }
 
 @fragment
-fn ray_mesh_color(@builtin(position) pixel: vec4f) -> @location(0) vec4f {
-    let sighting = sighting_at(pixel);
-    return vec4f(select(sighted_color(sighting), vec3f(0.0), sighting.ray_triangle == 0u), 1.0);
+fn surface_sky(fragment: RayFragment) -> @location(0) vec4f {
+    let sighting = sighting_at(fragment);
+    if !sighting.own {
+        discard;
+    }
+    return vec4f(reflectance(fragment, sighting) * sighted_sky(sighting), 1.0);
 }
 
 @fragment
-fn ray_mesh_seen(@builtin(position) pixel: vec4f) -> Seen {
-    return sighted(sighting_at(pixel), 0u);
+fn surface_seen(fragment: RayFragment) -> Seen {
+    return sighted(sighting_at(fragment), fragment.numbers.x);
+}
+
+// The colours, where they belong in the picture.
+@fragment
+fn composed_color(fragment: OwnerFragment) -> @location(0) vec4f {
+    return textureLoad(colors, vec2u(fragment.pixel.xy), 0);
 }

@@ -7,6 +7,7 @@ and the pieces of all pairs, of which each pixel keeps the nearest that holds it
 from __future__ import annotations
 
 from functools import cache
+from typing import Any
 
 import numpy as np
 import wgpu
@@ -39,12 +40,15 @@ RAY_TRIANGLE = np.dtype(
         ("corner_1", "f4", 3), ("center_y", "f4"),
         ("corner_2", "f4", 3), ("valid", "u4"),
         ("direction_x", "f4", 3), ("face", "u4"),
-        ("direction_y", "f4", 3), ("scale_x", "f4"),
-        ("direction_one", "f4", 3), ("scale_y", "f4"),
-        ("origin_x", "f4", 3), ("scale_one", "f4"),
-        ("origin_y", "f4", 3), ("padding_0", "u4"),
-        ("origin_one", "f4", 3), ("padding_1", "u4"),
-        ("anchor", "f4", 3), ("padding_2", "u4"),
+        ("direction_y", "f4", 3), ("object", "u4"),
+        ("direction_one", "f4", 3), ("scale_x", "f4"),
+        ("origin_x", "f4", 3), ("scale_y", "f4"),
+        ("origin_y", "f4", 3), ("scale_one", "f4"),
+        ("origin_one", "f4", 3), ("padding_0", "u4"),
+        ("anchor", "f4", 3), ("padding_1", "u4"),
+        ("incident_x", "f4", 3), ("padding_2", "u4"),
+        ("incident_y", "f4", 3), ("padding_3", "u4"),
+        ("incident_one", "f4", 3), ("padding_4", "u4"),
     ]
 )  # fmt: skip
 
@@ -52,7 +56,8 @@ SPECULAR = np.uint32(0x80000000)
 """What marks the front of a specular surface among the triangles seen."""
 
 
-def _number_texture() -> dict:
+def number_texture() -> dict[str, Any]:
+    """A texture of whole numbers, in a layout."""
     return {"texture": {"view_dimension": "2d", "sample_type": "uint"}}
 
 
@@ -65,13 +70,7 @@ def data_layout() -> wgpu.GPUBindGroupLayout:
 @cache
 def owners_layout() -> wgpu.GPUBindGroupLayout:
     """The layout of group 3 while pairs are drawn: the pixels' ray triangles."""
-    return layout_of(_number_texture())
-
-
-@cache
-def seen_layout() -> wgpu.GPUBindGroupLayout:
-    """The layout of group 3 where pixels are coloured: their ray triangles and what these see."""
-    return layout_of(_number_texture(), _number_texture())
+    return layout_of(number_texture())
 
 
 class Visibility:
@@ -92,14 +91,15 @@ class Visibility:
         self._seen = make_target(size, (NUMBER_FORMAT,), depth=self._owners.depth)
         owners, seen = self._owners.textures[0].create_view(), self._seen.textures[0].create_view()
         self._owners_group = bind(owners_layout(), [owners])
-        self.group = bind(seen_layout(), [owners, seen])
+        self.views = owners, seen
+        self.depth = self._owners.depth
         self._rooms: list[wgpu.GPUBuffer | None] = [None, None, None]
         self._data: wgpu.GPUBindGroup | None = None
         self._pieces, self._count = 0, 0
         module = shader_module("gpu/vertices.wgsl", "methods/visibility.wgsl")
         self._owner = make_pipeline(
             module,
-            "picture_owner_vertex" if bare else "surface_owner_vertex",
+            "bare_owner_vertex" if bare else "surface_owner_vertex",
             "owner",
             (NUMBER_FORMAT,),
             buffers=(),
@@ -156,7 +156,7 @@ class Visibility:
         ):
             render_pass = begin_pass(encoder, target)
             bind_scene(render_pass, self._buffers, projection)
-            self.bind(render_pass)
+            render_pass.set_bind_group(2, self._data)
             if group is not None:
                 render_pass.set_bind_group(3, group)
             render_pass.set_pipeline(pipeline)
@@ -166,3 +166,8 @@ class Visibility:
     def bind(self, render_pass: wgpu.GPURenderPassEncoder) -> None:
         """Bind group 2."""
         render_pass.set_bind_group(2, self._data)
+
+    @property
+    def count(self) -> int:
+        """How many ray triangles there are."""
+        return self._count

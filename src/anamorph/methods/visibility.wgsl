@@ -37,7 +37,7 @@ struct Piece {
     pair: u32,
 }
 
-// A ray triangle. Origin, direction, and the scale that origin and direction have in common, are linear in the place.
+// A ray triangle. Origin, direction, and the scale that these two have in common, are linear in the place.
 struct RayTriangle {
     // Its picture's homogeneous corners in pixels, for bare ray meshes.
     corner_0: vec3f,
@@ -51,18 +51,26 @@ struct RayTriangle {
     // The triangle of the scene's index buffer that it is, on a specular surface.
     face: u32,
     direction_y: vec3f,
-    scale_x: f32,
+    // The object number of that surface; 0 for a bare ray mesh.
+    object: u32,
     direction_one: vec3f,
-    scale_y: f32,
+    scale_x: f32,
     origin_x: vec3f,
-    scale_one: f32,
+    scale_y: f32,
     origin_y: vec3f,
-    padding_0: u32,
+    scale_one: f32,
     origin_one: vec3f,
-    padding_1: u32,
+    padding_0: u32,
     // What origins are relative to.
     anchor: vec3f,
+    padding_1: u32,
+    // The direction of the light before the surface, seen from the eye; it may have any length.
+    incident_x: vec3f,
     padding_2: u32,
+    incident_y: vec3f,
+    padding_3: u32,
+    incident_one: vec3f,
+    padding_4: u32,
 }
 
 @group(2) @binding(0) var<storage, read> vertices: array<StoredVertex>;
@@ -92,22 +100,29 @@ struct OwnerFragment {
     @location(0) @interpolate(flat) ray_triangle: u32,
 }
 
-// A specular surface, as the scene's own drawing shows it.
+// A corner of a specular surface, as the scene's own drawing shows it.
+fn surface_clip(triangle: RayTriangle, corner: u32) -> vec4f {
+    return projection.clip * vec4f(position_of(vertices[indices[3u * triangle.face + corner]]), 1.0);
+}
+
+// A corner of a bare ray mesh.
+fn bare_clip(triangle: RayTriangle, corner: u32) -> vec4f {
+    var corners = array<vec3f, 3>(triangle.corner_0, triangle.corner_1, triangle.corner_2);
+    return picture_clip(corners[corner]);
+}
+
 @vertex
 fn surface_owner_vertex(@builtin(vertex_index) index: u32) -> OwnerFragment {
     let number = index / 3u;
     let triangle = ray_triangles[number];
-    let vertex = vertices[indices[3u * triangle.face + index % 3u]];
-    return OwnerFragment(projection.clip * vec4f(position_of(vertex), 1.0), (number + 1u) * triangle.valid);
+    return OwnerFragment(surface_clip(triangle, index % 3u), (number + 1u) * triangle.valid);
 }
 
-// A bare ray mesh.
 @vertex
-fn picture_owner_vertex(@builtin(vertex_index) index: u32) -> OwnerFragment {
+fn bare_owner_vertex(@builtin(vertex_index) index: u32) -> OwnerFragment {
     let number = index / 3u;
     let triangle = ray_triangles[number];
-    var corners = array<vec3f, 3>(triangle.corner_0, triangle.corner_1, triangle.corner_2);
-    return OwnerFragment(picture_clip(corners[index % 3u]), (number + 1u) * triangle.valid);
+    return OwnerFragment(bare_clip(triangle, index % 3u), (number + 1u) * triangle.valid);
 }
 
 @fragment

@@ -91,7 +91,11 @@ def make_beams(
     inverse = np.linalg.inv(np.where(flat[:, None, None], np.eye(3), picture))
     domain, corners = _domains(inverse, size)
     shown = np.flatnonzero(~flat & (corners >= 3))
-    picture, origins, directions = picture[shown], np.asarray(origins, float)[shown], np.asarray(directions, float)[shown]
+    picture, origins, directions = (
+        picture[shown],
+        np.asarray(origins, float)[shown],
+        np.asarray(directions, float)[shown],
+    )
     inverse, domain, corners = inverse[shown], domain[shown], corners[shown]
 
     some = np.arange(domain.shape[1]) < corners[:, None]

@@ -303,9 +303,7 @@ def _meet(
 
 
 @compiled
-def fill(
-    beams: Beams, triangles: Triangles, own: Own, first: int, stop: int, room: Room
-) -> tuple[int, int, int]:
+def fill(beams: Beams, triangles: Triangles, own: Own, first: int, stop: int, room: Room) -> tuple[int, int, int]:
     """What ray triangles from `first` to `stop` see. The one at which the room ran out, or `stop`; pairs; pieces."""
     pairs, pieces = 0, 0
     leaves = len(triangles.low) // 2

@@ -42,7 +42,7 @@ def inward_sphere(
     size : (width, height)
         Pixels.
     rows, columns : int
-        Quads of latitude and of longitude; columns at least 3.
+        Quads of latitude, at least 2, and of longitude, at least 3.
     pole : float
         Degrees from the poles to the first and last row, from 0 to less than 90.
     axes : (3, 3) array, optional
@@ -60,7 +60,7 @@ def inward_sphere(
     if not 0.0 <= pole < 90.0:
         raise AnamorphError(f"camera: pole is {pole}; give degrees from 0 to less than 90")
     sphere = Sphere(middle, radius) if axes is None else Sphere(middle, radius, np.asarray(axes, float))
-    across, down = checked_count("columns", columns, 3) + 1, checked_count("rows", rows) + 1
+    across, down = checked_count("columns", columns, 3) + 1, checked_count("rows", rows, 2) + 1
     top = np.radians(90.0 - pole)
     longitude, latitude = np.meshgrid(np.linspace(-np.pi, np.pi, across), np.linspace(top, -top, down))
     origins = sphere.position(np.stack([longitude, latitude], axis=-1).reshape(-1, 2)).reshape(down, across, 3)

@@ -44,8 +44,8 @@ def refracting_plane(
         From the eye to the plane, which stands across the view, metres; half way to the target where not given.
     focus : float, optional
         From the plane to the point where the normals meet, metres: beyond the plane where positive, which brings rays
-        together as a convex lens, and on the eye's side where negative. Where not given, (index - 1) times the
-        distance, with which an index above 1 makes rays near the axis parallel.
+        together as a convex lens, and on the eye's side where negative; as far as the eye from the plane where not
+        given. With (index - 1) times the distance rays near the axis come out parallel.
 
     Returns
     -------
@@ -58,8 +58,7 @@ def refracting_plane(
     sight = lines_of_sight(camera, grid_points(size, (count, count)), size)
     away = 0.5 * target_distance(camera) if distance is None else distance
     checked_number("distance", away, 0.0, np.inf, "metres")
-    # With an index of 1 any normals do.
-    bent = ((index - 1.0) * away or away) if focus is None else focus
+    bent = away if focus is None else focus
     if not np.isfinite(bent) or bent == 0.0:
         raise AnamorphError(f"camera: focus is {bent}; give metres from the plane to where its normals meet, not 0")
     offsets = (away * sight).reshape(-1, 3)

@@ -102,5 +102,6 @@ def check_ray_mesh(rays: RayMesh, where: str) -> None:
         raise AnamorphError(f"{where}: the direction of vertex {short[0]} has no length; give it one")
     if np.max(rays.picture[used, 2]) <= 0.0:
         raise AnamorphError(f"{where}: all its picture is behind the eye (w <= 0); give w = 1 to what is made by hand")
-    if not np.linalg.det(np.asarray(rays.picture, float)[faces]).any():
+    first, second, third = np.moveaxis(np.asarray(rays.picture, float)[faces], 1, 0)
+    if not np.einsum("fi,fi->f", np.cross(first, second), third).any():
         raise AnamorphError(f"{where}: all its triangles are points or lines in the picture; spread them")

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from anamorph.compiled import compiled, cores, over_all_cores
@@ -13,6 +15,9 @@ GRAIN = 16384
 SHORTEST = 1e-12
 """Interpolated directions shorter than this share of their triangle's longest are rounding, and no rays."""
 
+THIN = 1e-6
+"""Pixels: the weights of a triangle less high than this are all rounding."""
+
 
 def pixel_rays(
     mesh: RayMesh,
@@ -23,7 +28,7 @@ def pixel_rays(
     """Each pixel's ray, interpolated in the ray triangle that covers its centre.
 
     A centre on the border of a triangle is covered, so that between triangles that share an edge none is left out; of
-    several triangles that cover it the first is taken.
+    several triangles that cover it the first is taken, and one thinner than `THIN` only where there is no other.
 
     Parameters
     ----------
@@ -42,17 +47,32 @@ def pixel_rays(
         they are, and not normalised. Both are zero where there is no ray.
     """
     width, height = size
-    faces = np.asarray(mesh.faces, np.int64)
     picture, starts, ways = (np.asarray(each, float) for each in (mesh.picture, mesh.origins, mesh.directions))
+    # Before the eye, vertices are where their places say, so that those at one place are so for every pixel.
+    divisor = np.where(picture[:, 2] > 0.0, picture[:, 2], 1.0)
+    picture = picture / divisor[:, None]
+    faces, thick = _thick_first(picture, np.asarray(mesh.faces, np.int64))
     boxes = _boxes(picture[faces], size, shift)
     shortest = SHORTEST**2 * np.einsum("fki,fki->fk", ways[faces], ways[faces]).max(axis=1)
     rays = np.empty((2, width * height, 3)) if room is None else room
 
     def work(first: int, stop: int) -> None:
-        _interpolate(faces, boxes, shortest, picture, starts, ways, *shift, width, first, stop, *rays)
+        _interpolate(faces, thick, boxes, shortest, picture, divisor, starts, ways, *shift, width, first, stop, *rays)
 
     over_all_cores(work, height, max(GRAIN // width, -(-height // (4 * cores())), 1))
     return rays
+
+
+def _thick_first(picture: np.ndarray, faces: np.ndarray) -> tuple[np.ndarray, int]:
+    """The faces (F, 3) in their order, thin ones last and each with its longest edge first; how many are not thin."""
+    places = picture[faces, :2]
+    edges = np.roll(places, -1, axis=1) - places
+    lengths = np.linalg.norm(edges, axis=2)
+    area = np.abs(edges[:, 0, 0] * edges[:, 1, 1] - edges[:, 0, 1] * edges[:, 1, 0])
+    longest = lengths.argmax(axis=1)
+    thin = (area < THIN * lengths.max(axis=1)) & (picture[faces, 2] > 0.0).all(axis=1)
+    turned = np.take_along_axis(faces, (longest[:, None] + np.arange(3)) % 3, axis=1)
+    return np.concatenate([faces[~thin], turned[thin]]), int((~thin).sum())
 
 
 def _boxes(corners: np.ndarray, size: tuple[int, int], shift: tuple[float, float]) -> np.ndarray:
@@ -72,9 +92,11 @@ def _boxes(corners: np.ndarray, size: tuple[int, int], shift: tuple[float, float
 @compiled
 def _interpolate(
     faces: np.ndarray,
+    thick: int,
     boxes: np.ndarray,
     shortest: np.ndarray,
     picture: np.ndarray,
+    divisor: np.ndarray,
     starts: np.ndarray,
     ways: np.ndarray,
     right: float,
@@ -107,6 +129,15 @@ def _interpolate(
                     e_a, e_b, e_c = -e_a, -e_b, -e_c
                 if determinant == 0.0 or min(e_a, e_b, e_c) < 0.0:
                     continue
+                if face >= thick:
+                    # Where along the longest edge, if it is there at all: here signs are rounding.
+                    x_ab, y_ab = x_b - x_a, y_b - y_a
+                    square = x_ab * x_ab + y_ab * y_ab
+                    e_b = min(max(-(x_a * x_ab + y_a * y_ab) / square, 0.0), 1.0) if square > 0.0 else 0.0
+                    e_a, e_c = 1.0 - e_b, 0.0
+                    if math.hypot(x_a + e_b * x_ab, y_a + e_b * y_ab) > 2.0 * THIN:
+                        continue
+                e_a, e_b, e_c = e_a / divisor[a], e_b / divisor[b], e_c / divisor[c]
                 pixel, total, square = row * width + column, e_a + e_b + e_c, 0.0
                 e_a, e_b, e_c = e_a / total, e_b / total, e_c / total
                 for axis in range(3):

@@ -130,11 +130,11 @@ def measure_thesis(
 
     Clipping and tessellation are ways of drawing with straight edges, and measured with them whatever `methods` are.
     """
-    for method in methods:
-        parse(method)
     for part in parts:
         if part not in PARTS:
             raise AnamorphError(f"part: there is no {part!r}; parts are {', '.join(PARTS)}{nearest(part, PARTS)}")
+    for method in methods:
+        parse(method)
     places = lines_through(extent.sides, extent.counts, extent.quads)
     clipped = clip_lines(extent.sides, extent.counts, extent.quads)
     names, chosen = tuple(configurations())[: extent.configurations], cases(extent.case_scale)[: extent.cases]

@@ -1,6 +1,6 @@
 """Linear cameras, each exact by two triangles: pinhole, orthographic, pushbroom.
 
-Two more of their kind are known (J. Yu and L. McMillan, "General linear cameras", 2004); `from_grid` makes any.
+More of their kind are known (J. Yu and L. McMillan, "General linear cameras", 2004); `from_grid` makes any.
 """
 
 from __future__ import annotations

@@ -12,6 +12,7 @@ and directions n (3, 3), the directions of any length; in between, both are inte
 | 3.7 | which points, and which boxes, no ray meets | `sides`: `side_surfaces`; `boxes`: `bounding_planes` |
 | 4.2, 4.3 | the order in which projected corners are joined | `connect` |
 | 4.1, 4.6 | a scene triangle's shapes, and what of them lies before the origins | `shapes`: `project_triangle` |
+| 4.2 to 5.2 | all that in bulk and compiled, drawn with straight edges | `straight`: `straight_pieces` |
 """
 
 from anamorph.trilinear.boxes import BoundingPlanes as BoundingPlanes
@@ -22,3 +23,5 @@ from anamorph.trilinear.shapes import Shape as Shape
 from anamorph.trilinear.shapes import project_triangle as project_triangle
 from anamorph.trilinear.sides import SideSurfaces as SideSurfaces
 from anamorph.trilinear.sides import side_surfaces as side_surfaces
+from anamorph.trilinear.straight import StraightPieces as StraightPieces
+from anamorph.trilinear.straight import straight_pieces as straight_pieces

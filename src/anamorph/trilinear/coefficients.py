@@ -64,6 +64,8 @@ class RayTriangleFrame:
         The size that rounding may have given the waist, where that is taken for a point; 0 elsewhere.
     noise : (...) float64
         What rounding and the division by common factors leave open of a cubic, for a point 1 from the frame's origin.
+    lines : (..., 2) float64
+        The frame's t of the common factors, where the parametric triangle is a line or a point; infinite for none.
     """
 
     center: np.ndarray
@@ -79,6 +81,7 @@ class RayTriangleFrame:
     extent: np.ndarray
     blur: np.ndarray
     noise: np.ndarray
+    lines: np.ndarray
 
     def local(self, points: np.ndarray) -> np.ndarray:
         """World points (..., N, 3) in the frame."""
@@ -160,7 +163,7 @@ def ray_triangle_frame(origins: np.ndarray, directions: np.ndarray) -> RayTriang
     size = np.where(is_point, longest[..., 0, 0], size)
     around = np.where(is_point[..., None, None], 0.0, around) / size[..., None, None]
     planes = _planes(SPREAD @ around, spread)
-    divided, remains = _without_common_factors(planes)
+    divided, remains, lines = _without_common_factors(planes)
     extent = np.where(widest > rounding, widest, 0.0) / size
     # The way to the waist, long against its size, costs digits as well.
     noise = ROUNDING * (1.0 + extent + np.abs(waist) / size) + 2.0 * remains
@@ -178,6 +181,7 @@ def ray_triangle_frame(origins: np.ndarray, directions: np.ndarray) -> RayTriang
         extent=extent,
         blur=np.where(is_point, blur, 0.0) / size,
         noise=noise,
+        lines=lines,
     )
 
 
@@ -191,14 +195,15 @@ def _planes(origins: np.ndarray, directions: np.ndarray) -> np.ndarray:
     return np.stack([np.cross(e, g), np.cross(e, h) + np.cross(f, g), np.cross(f, h)], axis=-2)
 
 
-def _without_common_factors(planes: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """The planes divided by (t - t0) for every t0 at which the parametric triangle is a line, and what that drops."""
-    remains = np.zeros(planes.shape[:-2])
+def _without_common_factors(planes: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """The planes divided by (t - t0) for every t0 at which the parametric triangle is a line, what that drops, and t0."""
+    remains, lines = np.zeros(planes.shape[:-2]), []
     for _ in range(2):
         t0, exists = _line(planes)
         remains = remains + np.where(exists, np.linalg.norm(_normal(planes, t0), axis=-1), 0.0)
         planes = np.where(exists[..., None, None], _divided(planes, t0), planes)
-    return planes, remains
+        lines.append(np.where(exists, t0, np.inf))
+    return planes, remains, np.stack(lines, axis=-1)
 
 
 def _normal(planes: np.ndarray, t: np.ndarray) -> np.ndarray:

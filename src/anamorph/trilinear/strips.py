@@ -1,0 +1,156 @@
+"""The strip between the two traces of a shape as triangles, cut to the neighbourhood of the ray triangle's picture.
+
+At every t what is seen between the traces is a straight line in u and v, since the plane of the scene triangle cuts the
+parametric triangle in one. So the points of both traces in the order of t make triangles that fold over only where the
+picture does, and no polygon has to be cut up. A shape of two corners and nothing between has no area: the thesis draws
+a line for it, this draws nothing.
+
+Near vanishing lines u and v grow without bound. What lies further from the ray triangle than `GUARD` times its size is
+cut away, and what lies beyond one of its sides is left out.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from anamorph.compiled import compiled, inlined
+from anamorph.trilinear.packed import PACE, PICTURE, SHIFT
+from anamorph.trilinear.traces import SECOND, THIRD, TRACE, T, U, V
+
+GUARD = 4.0
+"""How far pieces may reach: weights in the picture are at least minus this."""
+
+EYE = 1e-3
+"""Where the picture's w changes its sign over a ray triangle, pieces are cut at this share of the greatest."""
+
+CORNERS = 8
+"""A triangle cut by four lines has seven corners at most."""
+
+MOST = 5
+"""Triangles that one may be cut into."""
+
+
+@compiled
+def strip(
+    row: np.ndarray,
+    pair: int,
+    traces: np.ndarray,
+    lefts: int,
+    rights: int,
+    one_start: bool,
+    one_end: bool,
+    polygon: np.ndarray,
+    pieces: tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray],
+    used: int,
+) -> int:
+    """Add the triangles between traces (2, N, 5) to `pieces`; how many those hold then.
+
+    `one_start` and `one_end` say whether both traces begin, or end, in the same point. `polygon` (2, 8, 5) is work
+    space. `pieces` are the arrays place, weights, t and pair of `StraightPieces`.
+    """
+    i, j = 0, 0
+    while i < lefts - 1 or j < rights - 1:
+        on_left = j == rights - 1 or (i < lefts - 1 and traces[0, i + 1, T] <= traces[1, j + 1, T])
+        closing = one_end and (i + 1 == lefts - 1 and j == rights - 1 if on_left else j + 1 == rights - 1 and i == lefts - 1)
+        if not (closing or (one_start and i == 0 and j == 0)):
+            following = traces[0, i + 1] if on_left else traces[1, j + 1]
+            used = _piece(row, pair, traces[0, i], traces[1, j], following, polygon, pieces, used)
+        if on_left:
+            i += 1
+        else:
+            j += 1
+    return used
+
+
+@inlined
+def _beyond_a_side(a: np.ndarray, b: np.ndarray, c: np.ndarray) -> bool:
+    beyond_u = a[U] < 0.0 and b[U] < 0.0 and c[U] < 0.0
+    beyond_v = a[V] < 0.0 and b[V] < 0.0 and c[V] < 0.0
+    return beyond_u or beyond_v or (a[U] + a[V] > 1.0 and b[U] + b[V] > 1.0 and c[U] + c[V] > 1.0)
+
+
+@inlined
+def _inside(row: np.ndarray, point: np.ndarray, line: int) -> float:
+    """How far inside one of the lines that pieces are cut by; negative outside."""
+    w0, w1, w2 = row[PICTURE + 2], row[PICTURE + 5], row[PICTURE + 8]
+    u, v = point[U], point[V]
+    rest = 1.0 - u - v
+    if line == 3:
+        return rest * w0 + u * w1 + v * w2 - EYE * max(abs(w0), max(abs(w1), abs(w2)))
+    share = rest * abs(w0) if line == 0 else u * abs(w1) if line == 1 else v * abs(w2)
+    return share + GUARD * (rest * abs(w0) + u * abs(w1) + v * abs(w2))
+
+
+@compiled
+def _piece(
+    row: np.ndarray,
+    pair: int,
+    a: np.ndarray,
+    b: np.ndarray,
+    c: np.ndarray,
+    polygon: np.ndarray,
+    pieces: tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray],
+    used: int,
+) -> int:
+    if _beyond_a_side(a, b, c):
+        return used
+    for word in range(TRACE):
+        polygon[0, 0, word], polygon[0, 1, word], polygon[0, 2, word] = a[word], b[word], c[word]
+    before_eye = row[PICTURE + 2] > 0.0 and row[PICTURE + 5] > 0.0 and row[PICTURE + 8] > 0.0
+    count, now = 3, 0
+    for line in range(3 if before_eye else 4):
+        outside = False
+        for k in range(count):
+            outside = outside or _inside(row, polygon[now, k], line) < 0.0
+        if outside:
+            count = _cut(row, polygon[now], count, line, polygon[1 - now])
+            now = 1 - now
+    for k in range(1, count - 1):
+        used = _write(row, pair, polygon[now], k, pieces, used)
+    return used
+
+
+@compiled
+def _cut(row: np.ndarray, whole: np.ndarray, count: int, line: int, kept: np.ndarray) -> int:
+    """What of a convex polygon is inside a line; how many corners that has."""
+    result = 0
+    for k in range(count):
+        here, following = whole[k], whole[(k + 1) % count]
+        at_here, at_following = _inside(row, here, line), _inside(row, following, line)
+        if at_here >= 0.0:
+            for word in range(TRACE):
+                kept[result, word] = here[word]
+            result += 1
+        if (at_here >= 0.0) != (at_following >= 0.0):
+            share = at_here / (at_here - at_following)
+            for word in range(TRACE):
+                kept[result, word] = (1.0 - share) * here[word] + share * following[word]
+            result += 1
+    return result
+
+
+@compiled
+def _write(
+    row: np.ndarray,
+    pair: int,
+    polygon: np.ndarray,
+    k: int,
+    pieces: tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray],
+    used: int,
+) -> int:
+    """Add the triangle of a polygon's corners 0, k and k + 1."""
+    place, weights, t, pairs = pieces
+    if _beyond_a_side(polygon[0], polygon[k], polygon[k + 1]):
+        return used
+    for corner in range(3):
+        point = polygon[k + corner - 1 if corner else 0]
+        u, v = point[U], point[V]
+        rest = 1.0 - u - v
+        w = rest * row[PICTURE + 2] + u * row[PICTURE + 5] + v * row[PICTURE + 8]
+        for axis in range(2):
+            homogeneous = rest * row[PICTURE + axis] + u * row[PICTURE + 3 + axis] + v * row[PICTURE + 6 + axis]
+            place[used, corner, axis] = homogeneous / w
+        weights[used, corner, 0], weights[used, corner, 1] = point[SECOND], point[THIRD]
+        t[used, corner] = (point[T] + row[SHIFT]) * row[PACE]
+    pairs[used] = pair
+    return used + 1

@@ -224,7 +224,9 @@ def results():
 
 def test_every_table_has_the_printed_columns_ours_and_the_machine(results, tmp_path):
     written = write_results(results, tmp_path / "new")
-    tables = {path.stem: list(csv.DictReader(path.open())) for path in written if path.suffix == ".csv"}
+    tables = {
+        path.stem: list(csv.DictReader(path.read_text().splitlines())) for path in written if path.suffix == ".csv"
+    }
     expected = {
         "d1-ray-tracing", "d2-trilinear", "d4-ray-tracing-configurations", "d5-trilinear-configurations", "growth",
         "table-8-1",

@@ -1,160 +1,199 @@
 """Trilinear projection: every scene triangle drawn through every ray triangle that sees it, with exact curved edges.
 
-Source: Vallance, "Trilinear projection" (PhD thesis, 2005). A mirror, or a camera made by hand, is a mesh of ray
-triangles (chapters 2, 5 and 7). What each of them sees of the scene is planned on the processor (trilinear/: beams,
-tree, pairs, plan) and found by the device without a ray being cast (visibility.py); here it is coloured, as part of
-the scene.
+Source: Vallance, "Trilinear projection" (PhD thesis, 2005). A mirror, a lens, or a camera made by hand is a mesh of ray
+triangles (chapters 2, 5 to 7; ray_sources.py). What each of them sees of the scene is planned on the processor
+(trilinear/: beams, tree, pairs, plan), found by the device without a ray being cast (visibility.py), and coloured
+(coloring.py); here it becomes a part of the picture.
 
 Deviation: the thesis draws straight lines between the projected corners of a scene triangle, and more corners where
-these are too wrong. Here each pixel decides by its own ray; see `pairs`.
+these are too wrong, which `edges=straight` does (trilinear/straight.py). Else each pixel decides by its own ray.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
-
-from typing import Any
+from dataclasses import dataclass
 
 import numpy as np
 import wgpu
 
+from anamorph.errors import AnamorphError
 from anamorph.frame import View
 from anamorph.gpu.bindings import bind, layout_of, texture
-from anamorph.gpu.drawing import bind_scene, make_pipeline, shader_module
-from anamorph.gpu.targets import COLOR_FORMAT, SEEN_FORMATS, Target, begin_pass, make_target
+from anamorph.gpu.buffers import storage_buffer
+from anamorph.gpu.drawing import make_pipeline, shader_module
+from anamorph.gpu.targets import COLOR_FORMAT, Target, make_target
+from anamorph.methods.coloring import Coloring, Kind
 from anamorph.methods.protocol import Method, Session
+from anamorph.methods.ray_records import (
+    add_incident,
+    pair_records,
+    piece_records,
+    straight_records,
+    triangle_records,
+)
+from anamorph.methods.ray_sources import Rays, Sources, bare_rays
 from anamorph.methods.session import DrawingSession, Stage
-from anamorph.methods.visibility import RAY_TRIANGLE, Visibility, data_layout, number_texture
-from anamorph.optics.reflection import reflected_rays, reflector
-from anamorph.projection import camera_projection
+from anamorph.methods.visibility import Visibility, data_layout
 from anamorph.raymesh import RayMesh
 from anamorph.scene.camera import Camera
 from anamorph.scene.geometry import Geometry
 from anamorph.trilinear.beams import Beams, make_beams
-from anamorph.trilinear.pairs import ALL, FRONTS, Own, Triangles
-from anamorph.trilinear.plan import Planner
-from anamorph.trilinear.tree import Tree, make_tree, moved_tree
+from anamorph.trilinear.pairs import Own, Triangles
+from anamorph.trilinear.plan import Plan, Planner
+from anamorph.trilinear.straight import straight_pieces
+from anamorph.trilinear.tree import make_tree, moved_tree
+
+LINES = wgpu.ColorWrite.ALL, wgpu.ColorWrite.RED, wgpu.ColorWrite.BLUE
+"""What is drawn of the light of each line: green's everywhere, then red and blue over it."""
+
+NEAR = 1e-6
+"""What is nearer than this to where its ray starts is that itself, as a share of the scene's coordinates."""
 
 
 @dataclass(frozen=True)
 class Options:
-    """Options of `trilinear`."""
+    """Options of `trilinear`.
+
+    Parameters
+    ----------
+    edges : str
+        "exact": curved, as each pixel's ray finds them; "straight": the thesis's lines between projected corners.
+    tessellate : int
+        With straight edges, into how many parts each side of a scene triangle is divided (4.5.1).
+    slices : int
+        With straight edges, how many levels of t are added to each shape (4.5.2).
+    clip : str
+        With straight edges, where shapes are cut at the sides of a ray triangle: "scene", so that those of neighbours
+        meet (5.2), or "screen" (5.1).
+    antialias : int
+        Samples a pixel: 1 or 4. Each scene triangle is coloured once a pixel.
+    dispersion : bool
+        Whether red and blue light goes its own way through glass that has an Abbe number.
+    """
+
+    edges: str = "exact"
+    tessellate: int = 1
+    slices: int = 0
+    clip: str = "scene"
+    antialias: int = 1
+    dispersion: bool = True
+
+
+class _Line:
+    """Light of one line of the spectrum: its rays and what becomes of them."""
+
+    def __init__(self, visibility: Visibility, coloring: Coloring) -> None:
+        self.visibility, self.coloring = visibility, coloring
 
 
 class TrilinearDrawing:
     """Draws what a picture's ray triangles see. See `SpecularDrawing`."""
 
     def __init__(self, stage: Stage, options: Options) -> None:
-        self._stage = stage
-        self._bare = isinstance(stage.view.camera, RayMesh)
-        self._mirrors = [(index, reflector(stage.view.scene.meshes[index])) for index in stage.buffers.specular]
-        self.replaced = tuple(index for index, _ in self._mirrors)
-        self._visibility = Visibility(stage.buffers, stage.view.size, self._bare)
-        geometry = stage.geometry
-        self._tree: Tree = make_tree(geometry.positions[geometry.faces])
-        self._group = geometry.face_object.astype(np.int32)
+        self._stage, self._options = stage, options
+        scene, size, geometry = stage.view.scene, stage.view.size, stage.geometry
+        self._bare = not stage.pinhole
+        self._sources = Sources(scene, geometry)
+        self.replaced = () if self._bare else self._sources.meshes
+        self._corners = np.asarray(geometry.positions, float)[geometry.faces]
+        self._tree = make_tree(self._corners)
         self._planner = Planner()
-        bends = np.array([False, *stage.buffers.bends])
-        self._fronts = bends[geometry.face_object]
-        self._colors = make_target(stage.view.size, (COLOR_FORMAT,), depth=self._visibility.depth)
-        views, whole = layout_of(number_texture(), number_texture()), layout_of(texture())
-        self._views = bind(views, self._visibility.views)
+        self._plan: Plan | None = None
+        self._colors = make_target(size, (COLOR_FORMAT,))
+        lenses = self._sources.lenses.astype(np.float32)
+        self._lenses = storage_buffer(lenses if len(lenses) else np.zeros((1, 2, 4), np.float32))
+        disperses = options.dispersion and not self._bare and self._sources.disperses
+        self._lines = [self._line(mask) for mask in (LINES if disperses else LINES[:1])]
+        whole = layout_of(texture())
         self._whole = bind(whole, [self._colors.textures[0].create_view()])
-        module = shader_module("gpu/vertices.wgsl", "methods/visibility.wgsl", "methods/trilinear.wgsl")
-        kind, cull = ("bare", "none") if self._bare else ("surface", "back")
+        self._composed = make_pipeline(
+            shader_module("gpu/vertices.wgsl", "methods/visibility.wgsl", "methods/composed.wgsl"),
+            "bare_owner_vertex" if self._bare else "surface_owner_vertex",
+            "composed_color",
+            (COLOR_FORMAT,),
+            buffers=(),
+            groups=(data_layout(), whole),
+            samples=options.antialias,
+            cull="none" if self._bare else "back",
+        )
 
-        def pipeline(vertex: str, fragment: str, formats: tuple[str, ...], **settings: Any) -> wgpu.GPURenderPipeline:
-            groups = data_layout(), whole if vertex == "owner" else views
-            entry = f"{kind}_{vertex}_vertex"
-            return make_pipeline(module, entry, fragment, formats, buffers=(), groups=groups, cull=cull, **settings)
-
-        def shaded(fragment: str, depth: str) -> wgpu.GPURenderPipeline:
-            constants = {"BARE": int(self._bare), "GOES_ON": int(self._fronts.any()), "LEVEL": 1}
-            settings = {"depth_compare": depth, "depth_write": False, "constants": constants}
-            return pipeline("ray", fragment, (COLOR_FORMAT,), **settings)
-
-        # What is not a pass's own is left by its depth, before its shader runs: software runs both sides of a branch.
-        self._shaded = shaded("surface_color", "less"), shaded("surface_sky", "equal")
-        self._composed = pipeline("owner", "composed_color", (COLOR_FORMAT,))
-        self._seen = pipeline("ray", "surface_seen", SEEN_FORMATS)
+    def _line(self, mask: int) -> _Line:
+        stage, options = self._stage, self._options
+        straight, fine = options.edges == "straight", options.antialias > 1
+        kind = Kind(self._bare, bool(len(self._sources.lenses)) and not self._bare, bool(self._sources.group.any()), straight)
+        visibility = Visibility(stage.buffers, self._lenses, stage.view.size, self._bare, fine, straight)
+        return _Line(visibility, Coloring(stage.buffers, visibility, self._colors, kind, mask))
 
     def deformed(self, geometry: Geometry) -> None:
         """Refit the tree."""
-        self._tree = moved_tree(self._tree, geometry.positions[geometry.faces])
+        self._corners = np.asarray(geometry.positions, float)[geometry.faces]
+        self._tree = moved_tree(self._tree, self._corners)
 
     def prepare(self, encoder: wgpu.GPUCommandEncoder, camera: Camera | RayMesh, shift: tuple[float, float]) -> None:
-        """Plan what each ray triangle sees, and find it for each pixel."""
+        """Plan what each ray triangle sees, find it for each pixel, and colour it."""
         if isinstance(camera, RayMesh):
-            meshes, own_face = [camera], np.full(len(camera.faces), -1, np.int32)
-            objects = np.zeros(len(camera.faces), np.int32)
+            lines = [bare_rays(camera)]
         else:
-            eye = camera.eye(self._stage.view.size)
-            meshes = [reflected_rays(mirror, eye) for _, mirror in self._mirrors]
-            first = self._stage.geometry.first_face
-            own_face = np.concatenate([np.arange(first[i], first[i + 1]) for i, _ in self._mirrors]).astype(np.int32)
-            objects = self._group[own_face]
-        picture, origins, directions = (
-            np.concatenate([getattr(rays, name)[rays.faces] for rays in meshes])
-            for name in ("picture", "origins", "directions")
-        )
-        picture = picture - picture[..., 2:] * [*shift, 0.0]
-        beams = make_beams(picture, origins, directions, self._stage.view.size)
-        own = Own(
-            own_face[beams.number],
-            objects[beams.number],
-            np.full(len(beams.number), FRONTS if objects.any() else ALL, np.int32),
-        )
-        tree = self._tree
-        plan = self._planner.plan(beams, Triangles(tree.faces, tree.low, tree.high, tree.corners, self._group), own)
-        triangles = np.zeros(len(picture), RAY_TRIANGLE)
-        for corner in range(3):
-            triangles[f"corner_{corner}"] = picture[:, corner]
-        if not isinstance(camera, RayMesh):
-            self._add_incident(triangles, beams, camera, shift)
-        triangles["valid"], triangles["object"], triangles["face"] = 1, objects, np.maximum(own_face, 0)
-        self._visibility.write(triangles, beams, plan, self._fronts)
-        self._visibility.draw(encoder, self._stage.projection)
-        render_pass = begin_pass(encoder, self._colors, keep_depth=True)
-        bind_scene(render_pass, self._stage.buffers, self._stage.projection)
-        for pipeline in self._shaded:
-            self._draw(render_pass, pipeline, self._views)
-        render_pass.end()
+            lines = self._sources.rays(camera, self._stage.view.size, self._options.dispersion)
+        for number, (rays, line) in enumerate(zip(lines, self._lines, strict=False)):
+            beams = self._beams(rays, shift)
+            plan = self._planned(rays, beams)
+            records = triangle_records(rays, beams)
+            if isinstance(camera, Camera):
+                add_incident(records, beams, camera, self._stage.view.size, shift)
+            pairs = pair_records(beams, plan, self._sources.group > 0)
+            line.visibility.write(records, pairs, self._pieces(rays, beams, plan, shift))
+            line.visibility.draw(encoder, self._stage.projection)
+            line.coloring.draw(encoder, self._stage.projection, clear=number == 0)
+            self._plan = plan if number == 0 else self._plan
 
-    def _add_incident(self, triangles: np.ndarray, beams: Beams, camera: Camera, shift: tuple[float, float]) -> None:
-        """Tell the ray triangles how the eye looks at them."""
-        width, height = self._stage.view.size
-        looks = camera_projection(camera, (width, height), shift)
-        x, y = 2.0 / width * looks.right, -2.0 / height * looks.up
+    def _beams(self, rays: Rays, shift: tuple[float, float]) -> Beams:
+        chosen = np.flatnonzero(rays.exists)
+        picture = rays.picture[chosen] - rays.picture[chosen][..., 2:] * [*shift, 0.0]
+        near = NEAR * float(np.abs(self._corners).max(initial=0.0))
+        beams = make_beams(picture, rays.origins[chosen], rays.directions[chosen], self._stage.view.size, near)
+        return beams._replace(number=chosen[beams.number].astype(np.int32))
+
+    def _planned(self, rays: Rays, beams: Beams) -> Plan:
         shown = beams.number
-        triangles["incident_x"], triangles["incident_y"] = x, y
-        start = looks.base - looks.right + looks.up
-        triangles["incident_one"][shown] = start + beams.center[:, :1] * x + beams.center[:, 1:] * y
+        own = Own(rays.face[shown], rays.group[shown], rays.sees[shown])
+        tree = self._tree
+        triangles = Triangles(tree.faces, tree.low, tree.high, tree.corners, self._sources.group)
+        return self._planner.plan(beams, triangles, own)
 
-    def complete(self, target: Target, camera: Camera, shift: tuple[float, float]) -> None:
+    def _pieces(self, rays: Rays, beams: Beams, plan: Plan, shift: tuple[float, float]) -> np.ndarray:
+        options = self._options
+        if options.edges == "exact":
+            return piece_records(plan)
+        picture = rays.picture - rays.picture[..., 2:] * [*shift, 0.0]
+        pairs = np.column_stack([beams.number[plan.pair[:, 0]], plan.pair[:, 1]]).astype(np.int32)
+        pieces = straight_pieces(
+            picture, rays.origins, rays.directions, self._corners, pairs,
+            slices=options.slices, tessellate=options.tessellate, scene_clip=options.clip == "scene",
+        )  # fmt: skip
+        return straight_records(pieces)
+
+    def complete(self, target: Target, camera: Camera | RayMesh, shift: tuple[float, float]) -> None:
         """There is nothing to mend."""
 
     def prepare_seen(self, encoder: wgpu.GPUCommandEncoder) -> None:
-        """The pairs carry all that the seen buffers need."""
+        """What is seen has been found already."""
 
     def draw_color(self, render_pass: wgpu.GPURenderPassEncoder) -> None:
         """What the rays see, where it belongs in the picture."""
-        self._draw(render_pass, self._composed, self._whole)
+        first = self._lines[0].visibility
+        render_pass.set_pipeline(self._composed)
+        first.bind(render_pass)
+        render_pass.set_bind_group(3, self._whole)
+        render_pass.draw(3 * first.count)
 
     def draw_seen(self, render_pass: wgpu.GPURenderPassEncoder) -> None:
-        """The seen buffers."""
-        self._draw(render_pass, self._seen, self._views)
-
-    def _draw(
-        self, render_pass: wgpu.GPURenderPassEncoder, pipeline: wgpu.GPURenderPipeline, textures: wgpu.GPUBindGroup
-    ) -> None:
-        render_pass.set_pipeline(pipeline)
-        self._visibility.bind(render_pass)
-        render_pass.set_bind_group(3, textures)
-        render_pass.draw(3 * self._visibility.count)
+        """The seen buffers, by the d line."""
+        self._lines[0].coloring.draw_seen(render_pass)
 
     def figures(self) -> dict[str, float]:
-        """Nothing but what the frame shows."""
-        return {}
+        """How many pairs of ray triangle and scene triangle the last frame took, and in how many pieces."""
+        return {} if self._plan is None else {"pairs": len(self._plan.pair), "pieces": len(self._plan.owner)}
 
     def rays(self) -> None:
         """Pixels' rays are on the device alone."""
@@ -163,8 +202,23 @@ class TrilinearDrawing:
 
 def open_session(view: View, options: Options) -> Session:
     """Start drawing `view` by trilinear projection."""
+    if options.edges not in ("exact", "straight"):
+        raise AnamorphError(f"trilinear: edges is {options.edges!r}; give exact or straight")
+    if options.clip not in ("scene", "screen"):
+        raise AnamorphError(f"trilinear: clip is {options.clip!r}; give scene or screen")
+    if options.antialias not in (1, 4):
+        raise AnamorphError(f"trilinear: antialias is {options.antialias}; give 1 or 4")
+    for name, least, most in (("tessellate", 1, 64), ("slices", 0, 256)):
+        if not least <= getattr(options, name) <= most:
+            raise AnamorphError(f"trilinear: {name} is {getattr(options, name)}; give a number from {least} to {most}")
+    if options.edges == "exact":
+        for name in ("tessellate", "slices", "clip"):
+            if getattr(options, name) != getattr(Options, name):
+                raise AnamorphError(f"trilinear: {name} is for straight edges; leave it out, or give edges=straight")
+    elif options.antialias > 1:
+        raise AnamorphError("trilinear: antialias is for exact edges; leave it out, or give edges=exact")
     stage = Stage(view)
-    return DrawingSession(stage, TrilinearDrawing(stage, options))
+    return DrawingSession(stage, TrilinearDrawing(stage, options), options.antialias)
 
 
 METHOD = Method(
@@ -173,5 +227,6 @@ METHOD = Method(
     source="Vallance 2005",
     options=Options,
     open=open_session,
+    refracts=True,
     ray_meshes=True,
 )

@@ -1,36 +1,38 @@
 // Trilinear projection: what the rays of a picture's ray triangles see, coloured. Follows visibility.wgsl.
 
-// The scene triangle that each pixel sees, from 1, and whether it is the front of a specular surface; 0 for the sky.
-@group(3) @binding(1) var triangles_seen: texture_2d<u32>;
-// What has been made of that; it is bound alone.
-@group(3) @binding(0) var colors: texture_2d<f32>;
-
-// 1 where some surfaces seen may be specular fronts, behind which the path goes on.
-override GOES_ON: bool = false;
-// 1 for a bare ray mesh, which takes nothing from the light.
-override BARE: bool = false;
+// 1 where some surfaces seen may be specular fronts.
+override MEETS_SPECULAR: bool = false;
+// 1 where some ray triangles are on lenses.
+override GLASS: bool = false;
+// 1 where the rays are sent on by what others see.
+override FOLLOWS: bool = false;
+// 1 where what lies between projected corners is interpolated, as in the thesis.
+override STRAIGHT: bool = false;
 // 1 to draw all ray triangles at no depth. There the depth of what is seen decides: above it are surfaces, at it the sky.
 override LEVEL: bool = false;
 
 struct RayFragment {
     @builtin(position) @invariant pixel: vec4f,
-    // Of the ray triangle, as functions of the place; behind them the scale's three terms, and the center.
+    // Of the ray triangle, as functions of the place; behind them three terms each of the scale and the share, and the
+    // center.
     @location(0) @interpolate(flat) direction_x: vec4f,
     @location(1) @interpolate(flat) direction_y: vec4f,
     @location(2) @interpolate(flat) direction_one: vec4f,
     @location(3) @interpolate(flat) origin_x: vec4f,
     @location(4) @interpolate(flat) origin_y: vec4f,
-    @location(5) @interpolate(flat) origin_one: vec3f,
-    @location(6) @interpolate(flat) anchor: vec3f,
-    @location(7) @interpolate(flat) incident_x: vec3f,
+    @location(5) @interpolate(flat) origin_one: vec4f,
+    @location(6) @interpolate(flat) anchor: vec4f,
+    @location(7) @interpolate(flat) incident_x: vec4f,
     @location(8) @interpolate(flat) incident_y: vec3f,
     @location(9) @interpolate(flat) incident_one: vec3f,
-    // The object number, and the ray triangle's own, from 1; 0 where it has no rays.
-    @location(10) @interpolate(flat) numbers: vec2u,
+    // The object number, the ray triangle's own, the lens, and whether reflection in it is total.
+    @location(10) @interpolate(flat) numbers: vec4u,
+    // The first specular surface on the way from the eye.
+    @location(11) @interpolate(flat) first: u32,
+    @location(12) normal: vec3f,
 }
 
-fn ray_fragment(clip: vec4f, number: u32) -> RayFragment {
-    let triangle = ray_triangles[number];
+fn ray_fragment(clip: vec4f, triangle: RayTriangle, corner: u32) -> RayFragment {
     return RayFragment(
         vec4f(clip.xy, select(clip.z, 0.0, LEVEL), clip.w),
         vec4f(triangle.direction_x, triangle.scale_x),
@@ -38,23 +40,27 @@ fn ray_fragment(clip: vec4f, number: u32) -> RayFragment {
         vec4f(triangle.direction_one, triangle.scale_one),
         vec4f(triangle.origin_x, triangle.center_x),
         vec4f(triangle.origin_y, triangle.center_y),
-        triangle.origin_one,
-        triangle.anchor,
-        triangle.incident_x,
+        vec4f(triangle.origin_one, triangle.share_x),
+        vec4f(triangle.anchor, triangle.share_y),
+        vec4f(triangle.incident_x, triangle.share_one),
         triangle.incident_y,
         triangle.incident_one,
-        vec2u(triangle.object, (number + 1u) * triangle.valid),
+        vec4u(triangle.object, triangle.number, triangle.lens, triangle.total),
+        triangle.first,
+        normal_of(vertices[indices[3u * triangle.face + corner]]),
     );
 }
 
 @vertex
 fn surface_ray_vertex(@builtin(vertex_index) index: u32) -> RayFragment {
-    return ray_fragment(surface_clip(ray_triangles[index / 3u], index % 3u), index / 3u);
+    let triangle = ray_triangles[index / 3u];
+    return ray_fragment(surface_clip(triangle, index % 3u), triangle, index % 3u);
 }
 
 @vertex
 fn bare_ray_vertex(@builtin(vertex_index) index: u32) -> RayFragment {
-    return ray_fragment(bare_clip(ray_triangles[index / 3u], index % 3u), index / 3u);
+    let triangle = ray_triangles[index / 3u];
+    return ray_fragment(bare_clip(triangle, index % 3u), triangle, index % 3u);
 }
 
 struct Ray {
@@ -62,38 +68,51 @@ struct Ray {
     direction: vec3f,
 }
 
-// What a pixel's ray is and what it meets; the rays of the pixels to the right and below tell its footprint.
+// What a ray is and what it meets; the rays of the pixels to the right and below tell its footprint.
 struct Sighting {
-    // Whether the pixel is this ray triangle's.
-    own: bool,
     // From 1; 0 for the sky.
     triangle: u32,
     specular: bool,
     ray: Ray,
     right: Ray,
     down: Ray,
+    // Of the light along the ray.
+    share: f32,
+}
+
+fn place_of(fragment: RayFragment) -> vec2f {
+    return fragment.pixel.xy - vec2f(fragment.origin_x.w, fragment.origin_y.w);
 }
 
 fn ray_at(fragment: RayFragment, place: vec2f) -> Ray {
     let direction = fragment.direction_x * place.x + fragment.direction_y * place.y + fragment.direction_one;
-    let origin = fragment.origin_x.xyz * place.x + fragment.origin_y.xyz * place.y + fragment.origin_one;
+    let origin = fragment.origin_x.xyz * place.x + fragment.origin_y.xyz * place.y + fragment.origin_one.xyz;
     // A direction of no length is a ray nowhere.
     let length = inverseSqrt(max(dot(direction.xyz, direction.xyz), 1e-30));
-    return Ray(fragment.anchor + origin / direction.w, direction.xyz * length);
+    return Ray(fragment.anchor.xyz + origin / direction.w, direction.xyz * length);
 }
 
-fn sighting_at(fragment: RayFragment) -> Sighting {
-    let seen = textureLoad(triangles_seen, vec2u(fragment.pixel.xy), 0).x;
+// Whether a fragment's pixel is its ray triangle's: another surface may stand before it.
+fn is_own(fragment: RayFragment) -> bool {
     let owner = textureLoad(owners, vec2u(fragment.pixel.xy), 0).x;
-    let place = fragment.pixel.xy - vec2f(fragment.origin_x.w, fragment.origin_y.w);
+    return owner == fragment.numbers.y && owner > 0u;
+}
+
+fn sighting(fragment: RayFragment, place: vec2f, seen: u32) -> Sighting {
+    let scale = fragment.direction_x.w * place.x + fragment.direction_y.w * place.y + fragment.direction_one.w;
+    let share = fragment.origin_one.w * place.x + fragment.anchor.w * place.y + fragment.incident_x.w;
     return Sighting(
-        owner == fragment.numbers.y && owner > 0u,
         seen & ~SPECULAR,
         (seen & SPECULAR) != 0u,
         ray_at(fragment, place),
         ray_at(fragment, place + vec2f(1.0, 0.0)),
         ray_at(fragment, place + vec2f(0.0, 1.0)),
+        share / scale,
     );
+}
+
+fn pixel_sighting(fragment: RayFragment) -> Sighting {
+    return sighting(fragment, place_of(fragment), textureLoad(triangles_seen, vec2u(fragment.pixel.xy), 0).x);
 }
 
 fn sighted_sky(sighting: Sighting) -> vec3f {
@@ -130,80 +149,146 @@ fn weights_at(plane: Plane, point: vec3f) -> vec3f {
     return vec3f(1.0 - weights.x - weights.y, weights);
 }
 
-fn point_seen(sighting: Sighting) -> SurfacePoint {
+fn point_seen(sighting: Sighting, texel: vec2u) -> SurfacePoint {
     let first = 3u * (sighting.triangle - 1u);
     let a = vertices[indices[first]];
     let b = vertices[indices[first + 1u]];
     let c = vertices[indices[first + 2u]];
     let plane = plane_of(position_of(a), position_of(b), position_of(c));
-    let position = meeting(plane, sighting.ray);
-    let weights = weights_at(plane, position);
-    let right = weights_at(plane, meeting(plane, sighting.right)) - weights;
-    let down = weights_at(plane, meeting(plane, sighting.down)) - weights;
+    let corners = mat3x3f(position_of(a), position_of(b), position_of(c));
     let texcoords = mat3x2f(texcoord_of(a), texcoord_of(b), texcoord_of(c));
     var point: SurfacePoint;
-    point.position = position;
+    point.position = meeting(plane, sighting.ray);
+    var weights = weights_at(plane, point.position);
+    point.texcoord_dx = clamp(texcoords * (weights_at(plane, meeting(plane, sighting.right)) - weights), vec2f(-4.0), vec2f(4.0));
+    point.texcoord_dy = clamp(texcoords * (weights_at(plane, meeting(plane, sighting.down)) - weights), vec2f(-4.0), vec2f(4.0));
+    if STRAIGHT {
+        let found = textureLoad(weights_seen, texel, 0).xy;
+        weights = vec3f(1.0 - found.x - found.y, found);
+        point.position = corners * weights;
+    }
     point.normal = normalize(mat3x3f(normal_of(a), normal_of(b), normal_of(c)) * weights);
     point.texcoord = texcoords * weights;
-    point.texcoord_dx = clamp(texcoords * right, vec2f(-4.0), vec2f(4.0));
-    point.texcoord_dy = clamp(texcoords * down, vec2f(-4.0), vec2f(4.0));
     point.color = mat3x3f(color_of(a), color_of(b), color_of(c)) * weights;
     point.object = a.object;
     return point;
 }
 
-fn sighted(sighting: Sighting, specular: u32) -> Seen {
-    if !sighting.own {
-        return Seen(vec4f(0.0), seen_flags(specular, STATUS_OUTSIDE), 0.0);
-    }
-    if sighting.triangle == 0u {
-        return Seen(vec4f(sighting.ray.direction, 0.0), seen_flags(specular, STATUS_SKY), 0.0);
-    }
-    let point = point_seen(sighting);
-    let status = select(STATUS_PROJECTED, STATUS_OUTSIDE, sighting.specular);
-    return Seen(vec4f(point.position, f32(point.object)), seen_flags(specular, status), 0.0);
+fn from_axis(lens: Lens, point: vec3f) -> vec3f {
+    let offset = point - lens.middle.xyz;
+    return offset - dot(offset, lens.axis.xyz) * lens.axis.xyz;
 }
 
-// What of the light that is seen in a specular surface reaches the eye.
-fn reflectance(fragment: RayFragment, sighting: Sighting) -> vec3f {
-    if BARE {
-        return vec3f(1.0);
+// Whether a ray leaves its lens by the edge.
+fn by_edge(fragment: RayFragment, sighting: Sighting) -> bool {
+    let lens = lenses[max(fragment.numbers.z, 1u) - 1u];
+    return fragment.numbers.z > 0u && length(from_axis(lens, sighting.ray.origin)) > lens.axis.w;
+}
+
+// The matt edge, seen from within the glass.
+fn edge_color(lens: Lens, ray: Ray) -> vec3f {
+    var point: SurfacePoint;
+    point.position = ray.origin;
+    point.normal = normalize(from_axis(lens, ray.origin));
+    point.color = vec3f(1.0);
+    point.object = u32(max(lens.middle.w, 1.0));
+    return select(vec3f(0.0), shade(point, ray.direction), lens.middle.w > 0.0);
+}
+
+fn incident(fragment: RayFragment) -> vec3f {
+    let place = place_of(fragment);
+    return normalize(fragment.incident_x.xyz * place.x + fragment.incident_y * place.y + fragment.incident_one);
+}
+
+// What share of the light that is seen reaches the eye, by colour.
+fn transmitted(fragment: RayFragment, sighting: Sighting) -> vec3f {
+    var share = vec3f(1.0);
+    if fragment.numbers.x > 0u {
+        share = mirror_reflectance(fragment.numbers.x, 0.5 * length(sighting.ray.direction - incident(fragment)));
+        if GLASS && fragment.numbers.z > 0u {
+            share = sighting.share * lens_tint(fragment.numbers.x);
+        }
     }
-    let place = fragment.pixel.xy - vec2f(fragment.origin_x.w, fragment.origin_y.w);
-    let incident = fragment.incident_x * place.x + fragment.incident_y * place.y + fragment.incident_one;
-    return mirror_reflectance(fragment.numbers.x, 0.5 * length(sighting.ray.direction - normalize(incident)));
+    if FOLLOWS {
+        share *= textureLoad(throughput, vec2u(fragment.pixel.xy), 0).rgb;
+    }
+    return share;
+}
+
+// The light of a colour that is seen, as it reaches the eye.
+fn arriving(fragment: RayFragment, sighting: Sighting, color: vec3f) -> vec4f {
+    if GLASS && fragment.numbers.z > 0u && (by_edge(fragment, sighting) || fragment.numbers.w > 0u) {
+        let cosine = dot(incident(fragment), normalize(fragment.normal));
+        let edge = edge_color(lenses[fragment.numbers.z - 1u], sighting.ray);
+        return vec4f(glass_transmittance(fragment.numbers.x, cosine) * edge, 1.0);
+    }
+    return vec4f(transmitted(fragment, sighting) * color, 1.0);
+}
+
+// Specular fronts look as if nothing followed, until what follows is drawn over them.
+fn end_color(sighting: Sighting, texel: vec2u) -> vec3f {
+    var color = shade(point_seen(sighting, texel), sighting.ray.direction);
+    if MEETS_SPECULAR {
+        color = select(color, sighted_sky(sighting), sighting.specular);
+    }
+    return color;
 }
 
 @fragment
 fn surface_color(fragment: RayFragment) -> @location(0) vec4f {
-    let sighting = sighting_at(fragment);
-    if !sighting.own {
+    if !is_own(fragment) {
         discard;
     }
-    var color = shade(point_seen(sighting), sighting.ray.direction);
-    if GOES_ON {
-        // As if nothing followed.
-        color = select(color, sighted_sky(sighting), sighting.specular);
-    }
-    return vec4f(reflectance(fragment, sighting) * color, 1.0);
+    let sighting = pixel_sighting(fragment);
+    return arriving(fragment, sighting, end_color(sighting, vec2u(fragment.pixel.xy)));
 }
 
 @fragment
-fn surface_sky(fragment: RayFragment) -> @location(0) vec4f {
-    let sighting = sighting_at(fragment);
-    if !sighting.own {
+fn sky_seen_color(fragment: RayFragment) -> @location(0) vec4f {
+    if !is_own(fragment) {
         discard;
     }
-    return vec4f(reflectance(fragment, sighting) * sighted_sky(sighting), 1.0);
+    let sighting = pixel_sighting(fragment);
+    return arriving(fragment, sighting, sighted_sky(sighting));
+}
+
+// For the rays that go on from specular fronts.
+@fragment
+fn throughput_color(fragment: RayFragment) -> @location(0) vec4f {
+    let sighting = pixel_sighting(fragment);
+    if !is_own(fragment) || !sighting.specular {
+        discard;
+    }
+    return vec4f(transmitted(fragment, sighting), 1.0);
+}
+
+// Where a ray's path ends, and how.
+struct End {
+    point: vec4f,
+    status: u32,
+}
+
+fn end_of(fragment: RayFragment, sighting: Sighting) -> End {
+    let nowhere = vec4f(sighting.ray.direction, 0.0);
+    if !is_own(fragment) {
+        return End(nowhere, STATUS_OUTSIDE);
+    }
+    if GLASS && fragment.numbers.z > 0u && (by_edge(fragment, sighting) || fragment.numbers.w > 0u) {
+        let edge = vec4f(sighting.ray.origin, lenses[fragment.numbers.z - 1u].middle.w);
+        return End(edge, select(STATUS_TOTAL_REFLECTION, STATUS_PROJECTED, by_edge(fragment, sighting)));
+    }
+    if sighting.triangle == 0u {
+        return End(nowhere, STATUS_SKY);
+    }
+    let point = point_seen(sighting, vec2u(fragment.pixel.xy));
+    return End(vec4f(point.position, f32(point.object)), select(STATUS_PROJECTED, STATUS_OUTSIDE, sighting.specular));
 }
 
 @fragment
-fn surface_seen(fragment: RayFragment) -> Seen {
-    return sighted(sighting_at(fragment), fragment.numbers.x);
-}
-
-// The colours, where they belong in the picture.
-@fragment
-fn composed_color(fragment: OwnerFragment) -> @location(0) vec4f {
-    return textureLoad(colors, vec2u(fragment.pixel.xy), 0);
+fn end_seen(fragment: RayFragment) -> Seen {
+    if FOLLOWS && !is_own(fragment) {
+        discard;
+    }
+    let end = end_of(fragment, pixel_sighting(fragment));
+    return Seen(end.point, seen_flags(fragment.first, end.status), 0.0);
 }

@@ -6,71 +6,90 @@ and the pieces of all pairs, of which each pixel keeps the nearest that holds it
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from functools import cache
 from typing import Any
 
 import numpy as np
 import wgpu
 
-from anamorph.gpu.bindings import STORAGE, bind, layout_of
+from anamorph.gpu.bindings import STORAGE, bind, layout_of, texture
 from anamorph.gpu.buffers import SceneBuffers, roomy_buffer
 from anamorph.gpu.device import get_device
 from anamorph.gpu.drawing import ProjectionUniform, bind_scene, make_pipeline, shader_module
-from anamorph.gpu.targets import begin_pass, make_target
-from anamorph.trilinear.beams import Beams
-from anamorph.trilinear.plan import Plan
+from anamorph.gpu.targets import COLOR_FORMAT, Target, begin_pass, make_target
+from anamorph.methods.ray_records import PIECE, RAY_TRIANGLE, STRAIGHT_CORNER
 
 NUMBER_FORMAT = "r32uint"
+WEIGHTS_FORMAT = "rg32float"
 
-PAIR = np.dtype(
-    [
-        ("terms", "f4", 24),
-        ("center", "f4", 2),
-        ("ray_triangle", "u4"),
-        ("seen", "u4"),
-    ]
-)
-"""A pair, as visibility.wgsl reads it."""
-
-PIECE = np.dtype([("place", "f4", 6), ("pair", "u4")])
-
-RAY_TRIANGLE = np.dtype(
-    [
-        ("corner_0", "f4", 3), ("center_x", "f4"),
-        ("corner_1", "f4", 3), ("center_y", "f4"),
-        ("corner_2", "f4", 3), ("valid", "u4"),
-        ("direction_x", "f4", 3), ("face", "u4"),
-        ("direction_y", "f4", 3), ("object", "u4"),
-        ("direction_one", "f4", 3), ("scale_x", "f4"),
-        ("origin_x", "f4", 3), ("scale_y", "f4"),
-        ("origin_y", "f4", 3), ("scale_one", "f4"),
-        ("origin_one", "f4", 3), ("padding_0", "u4"),
-        ("anchor", "f4", 3), ("padding_1", "u4"),
-        ("incident_x", "f4", 3), ("padding_2", "u4"),
-        ("incident_y", "f4", 3), ("padding_3", "u4"),
-        ("incident_one", "f4", 3), ("padding_4", "u4"),
-    ]
-)  # fmt: skip
-
-SPECULAR = np.uint32(0x80000000)
-"""What marks the front of a specular surface among the triangles seen."""
+FINENESS = 2
+"""Samples of a pixel along each axis, where there is more than one."""
 
 
-def number_texture() -> dict[str, Any]:
-    """A texture of whole numbers, in a layout."""
+def _numbers() -> dict[str, Any]:
     return {"texture": {"view_dimension": "2d", "sample_type": "uint"}}
 
 
 @cache
 def data_layout() -> wgpu.GPUBindGroupLayout:
-    """The layout of group 2: the scene, the ray triangles, the pairs and the pieces."""
-    return layout_of(*5 * [STORAGE], stages=wgpu.ShaderStage.VERTEX | wgpu.ShaderStage.FRAGMENT)
+    """The layout of group 2: the scene, the ray triangles, the pairs, the pieces and the lenses."""
+    return layout_of(*6 * [STORAGE], stages=wgpu.ShaderStage.VERTEX | wgpu.ShaderStage.FRAGMENT)
 
 
 @cache
-def owners_layout() -> wgpu.GPUBindGroupLayout:
-    """The layout of group 3 while pairs are drawn: the pixels' ray triangles."""
-    return layout_of(number_texture())
+def views_layout() -> wgpu.GPUBindGroupLayout:
+    """The layout of group 3: the pixels' ray triangles, what these see, and with straight edges the weights there; for
+    rays that go on, the throughput before them; and the first two for several samples a pixel."""
+    unfiltered = texture(filterable=False)
+    return layout_of(_numbers(), _numbers(), unfiltered, unfiltered, _numbers(), _numbers())
+
+
+@dataclass(frozen=True, eq=False)
+class Views:
+    """What each sample of a picture sees.
+
+    Parameters
+    ----------
+    owners, seen : Target
+        The samples' ray triangles, and what they see; both with one depth, that of what is seen.
+    """
+
+    owners: Target
+    seen: Target
+
+    def textures(self) -> list[wgpu.GPUTextureView]:
+        """Of both."""
+        return [each.create_view() for each in (*self.owners.textures, *self.seen.textures)]
+
+
+@cache
+def _unused(form: str) -> wgpu.GPUTextureView:
+    """Stands in for a texture that nothing reads."""
+    return make_target((1, 1), (form,)).textures[0].create_view()
+
+
+def bind_views(
+    views: Views | None,
+    fine: Views | None = None,
+    throughput: wgpu.GPUTextureView | None = None,
+    owned: bool = False,
+) -> wgpu.GPUBindGroup:
+    """Group 3; with `owned` nothing but the pixels' ray triangles, for finding the rest."""
+    number, weight = _unused(NUMBER_FORMAT), _unused(WEIGHTS_FORMAT)
+    first, second = ([number, number, weight], [number, number])
+    if views is not None:
+        first = [*views.textures(), weight][:3] if not owned else [views.textures()[0], number, weight]
+    if fine is not None:
+        second = fine.textures()[:2]
+    return bind(views_layout(), [*first, _unused(COLOR_FORMAT) if throughput is None else throughput, *second])
+
+
+def make_views(size: tuple[int, int], straight: bool) -> Views:
+    """Room for a picture of `size` (width, height)."""
+    owners = make_target(size, (NUMBER_FORMAT,))
+    seen = make_target(size, (NUMBER_FORMAT, WEIGHTS_FORMAT)[: 1 + straight], depth=owners.depth)
+    return Views(owners, seen)
 
 
 class Visibility:
@@ -79,95 +98,105 @@ class Visibility:
     Parameters
     ----------
     buffers : SceneBuffers
+    lenses : buffer
+        As `trilinear.wgsl` reads them.
     size : (width, height)
         Of the picture.
     bare : bool
-        Whether the ray triangles are drawn where their own picture says, or where the surface is that they are on.
+        Whether ray triangles are drawn where their own picture says, or where the surface is that they are on.
+    fine : bool
+        Whether several samples of each pixel are looked at besides its middle.
+    straight : bool
+        Whether scene triangles have straight edges.
+    before : Visibility, optional
+        Whose rays these send on.
+
+    Attributes
+    ----------
+    views : Views
+        By pixels' middles.
+    fine : Views or None
+        By samples.
     """
 
-    def __init__(self, buffers: SceneBuffers, size: tuple[int, int], bare: bool) -> None:
-        self._buffers = buffers
-        self._owners = make_target(size, (NUMBER_FORMAT,))
-        self._seen = make_target(size, (NUMBER_FORMAT,), depth=self._owners.depth)
-        owners, seen = self._owners.textures[0].create_view(), self._seen.textures[0].create_view()
-        self._owners_group = bind(owners_layout(), [owners])
-        self.views = owners, seen
-        self.depth = self._owners.depth
+    def __init__(
+        self,
+        buffers: SceneBuffers,
+        lenses: wgpu.GPUBuffer,
+        size: tuple[int, int],
+        bare: bool,
+        fine: bool = False,
+        straight: bool = False,
+        before: Visibility | None = None,
+    ) -> None:
+        self._buffers, self._lenses = buffers, lenses
+        self.views = make_views(size, straight)
+        self.fine = make_views((FINENESS * size[0], FINENESS * size[1]), straight) if fine else None
+        self._owned = [bind_views(views, owned=True) for views in self._all()]
+        self._source = bind_views(None if before is None else before.views)
         self._rooms: list[wgpu.GPUBuffer | None] = [None, None, None]
         self._data: wgpu.GPUBindGroup | None = None
-        self._pieces, self._count = 0, 0
+        self._corners, self._count = 0, 0
         module = shader_module("gpu/vertices.wgsl", "methods/visibility.wgsl")
-        self._owner = make_pipeline(
-            module,
-            "bare_owner_vertex" if bare else "surface_owner_vertex",
-            "owner",
-            (NUMBER_FORMAT,),
-            buffers=(),
-            groups=(data_layout(),),
-            cull="none" if bare else "back",
-        )
-        self._visible = make_pipeline(
-            module, "piece_vertex", "visible", (NUMBER_FORMAT,), buffers=(), groups=(data_layout(), owners_layout())
-        )
 
-    def write(self, triangles: np.ndarray, beams: Beams, plan: Plan, fronts: np.ndarray) -> None:
-        """Take over a plan.
+        def pipeline(vertex: str, fragment: str, target: Target, **settings: Any) -> wgpu.GPURenderPipeline:
+            formats = tuple(each.format for each in target.textures)
+            groups = data_layout(), views_layout()
+            return make_pipeline(module, vertex, fragment, formats, buffers=(), groups=groups, **settings)
 
-        Parameters
-        ----------
-        triangles : (K,) of `RAY_TRIANGLE`
-            All ray triangles; what the beams know of them is filled in here.
-        beams : Beams
-        plan : Plan
-        fronts : (F,) bool
-            The scene triangles whose front is specular.
-        """
-        self._count, self._pieces = len(triangles), len(plan.owner)
-        queue = get_device().queue
-        shown = beams.number
-        triangles["center_x"][shown], triangles["center_y"][shown] = beams.center.T
-        triangles["anchor"][shown] = beams.anchor
-        for axis, name in enumerate(("x", "y", "one")):
-            triangles[f"direction_{name}"][shown] = beams.direction[:, :, axis]
-            triangles[f"origin_{name}"][shown] = beams.origin[:, :, axis]
-            triangles[f"scale_{name}"][shown] = beams.scale[:, axis]
-        ray_triangle, face, side = plan.pair.T
-        pairs = np.zeros(max(len(plan.pair), 1), PAIR)
-        some = pairs[: len(plan.pair)]
-        some["terms"], some["center"] = plan.terms, beams.center[ray_triangle]
-        some["ray_triangle"] = beams.number[ray_triangle] + 1
-        some["seen"] = face + 1 + np.where(fronts[face] & (side == 1), SPECULAR, np.uint32(0))
-        pieces = np.zeros(max(len(plan.owner), 1), PIECE)
-        pieces[: self._pieces]["place"] = plan.place.reshape(-1, 6)
-        pieces[: self._pieces]["pair"] = plan.owner
-        contents = [triangles, pairs, pieces]
-        rooms = [roomy_buffer(room, content.nbytes) for room, content in zip(self._rooms, contents, strict=True)]
-        if rooms != self._rooms:
-            self._rooms = list(rooms)
-            self._data = bind(data_layout(), [self._buffers.vertices, self._buffers.indices, *rooms])
-        for room, content in zip(rooms, contents, strict=True):
-            queue.write_buffer(room, 0, content)
-
-    def draw(self, encoder: wgpu.GPUCommandEncoder, projection: ProjectionUniform) -> None:
-        """Find every pixel's ray triangle, and what it sees."""
-        for target, pipeline, count, group in (
-            (self._owners, self._owner, self._count, None),
-            (self._seen, self._visible, self._pieces, self._owners_group),
-        ):
-            render_pass = begin_pass(encoder, target)
-            bind_scene(render_pass, self._buffers, projection)
-            render_pass.set_bind_group(2, self._data)
-            if group is not None:
-                render_pass.set_bind_group(3, group)
-            render_pass.set_pipeline(pipeline)
-            render_pass.draw(3 * count)
-            render_pass.end()
-
-    def bind(self, render_pass: wgpu.GPURenderPassEncoder) -> None:
-        """Bind group 2."""
-        render_pass.set_bind_group(2, self._data)
+        kind, cull = ("bare", "none") if bare else ("surface", "back")
+        entry = "owner" if before is None else "following_owner"
+        self._owner = pipeline(f"{kind}_owner_vertex", entry, self.views.owners, cull=cull)
+        pieces = ("straight_vertex", "straight_visible") if straight else ("piece_vertex", "visible")
+        self._visible = [
+            pipeline(*pieces, self.views.seen, constants={"PIXEL": pixel})
+            for pixel in ((1.0, 1.0 / FINENESS) if fine else (1.0,))
+        ]
 
     @property
     def count(self) -> int:
         """How many ray triangles there are."""
         return self._count
+
+    def write(self, triangles: np.ndarray, pairs: np.ndarray, pieces: np.ndarray) -> None:
+        """Take over ray triangles (K,) of `RAY_TRIANGLE`, pairs of `PAIR`, and `PIECE` or `STRAIGHT_CORNER`s."""
+        assert triangles.dtype == RAY_TRIANGLE and pieces.dtype in (PIECE, STRAIGHT_CORNER)
+        self._count = len(triangles)
+        self._corners = len(pieces) * (3 if pieces.dtype == PIECE else 1)
+        contents = [each if len(each) else np.zeros(1, each.dtype) for each in (triangles, pairs, pieces)]
+        rooms = [roomy_buffer(room, content.nbytes) for room, content in zip(self._rooms, contents, strict=True)]
+        if rooms != self._rooms:
+            self._rooms = list(rooms)
+            self._data = bind(data_layout(), [self._buffers.vertices, self._buffers.indices, *rooms, self._lenses])
+        for room, content in zip(rooms, contents, strict=True):
+            get_device().queue.write_buffer(room, 0, content)
+
+    def draw(self, encoder: wgpu.GPUCommandEncoder, projection: ProjectionUniform) -> None:
+        """Find every pixel's ray triangle, and what it sees; and every sample's, if there are several."""
+        for views, visible, owned in zip(self._all(), self._visible, self._owned, strict=True):
+            self._draw(encoder, projection, views.owners, self._owner, self._source, 3 * self._count)
+            self._draw(encoder, projection, views.seen, visible, owned, self._corners)
+
+    def _all(self) -> list[Views]:
+        return [views for views in (self.views, self.fine) if views is not None]
+
+    def _draw(
+        self,
+        encoder: wgpu.GPUCommandEncoder,
+        projection: ProjectionUniform,
+        target: Target,
+        pipeline: wgpu.GPURenderPipeline,
+        group: wgpu.GPUBindGroup,
+        corners: int,
+    ) -> None:
+        render_pass = begin_pass(encoder, target)
+        bind_scene(render_pass, self._buffers, projection)
+        self.bind(render_pass)
+        render_pass.set_bind_group(3, group)
+        render_pass.set_pipeline(pipeline)
+        render_pass.draw(corners)
+        render_pass.end()
+
+    def bind(self, render_pass: wgpu.GPURenderPassEncoder) -> None:
+        """Bind group 2."""
+        render_pass.set_bind_group(2, self._data)

@@ -37,21 +37,28 @@ struct Piece {
     pair: u32,
 }
 
-// A ray triangle. Origin, direction, and the scale that these two have in common, are linear in the place.
+// A corner of a piece with straight edges: its place in pixels, the weights of the scene triangle's second and third
+// corner, and t.
+struct StraightCorner {
+    x: f32, y: f32, second: f32, third: f32, t: f32,
+    pair: u32,
+}
+
+// A ray triangle. Origin, direction, share and the scale that they have in common are linear in the place.
 struct RayTriangle {
-    // Its picture's homogeneous corners in pixels, for bare ray meshes.
+    // Its picture's homogeneous corners in pixels, where it is not drawn as the surface that it is on.
     corner_0: vec3f,
     center_x: f32,
     corner_1: vec3f,
     center_y: f32,
     corner_2: vec3f,
-    // 1 where it has rays at all.
-    valid: u32,
+    // From 1, by which its pixels know it; 0 where it has no rays.
+    number: u32,
     direction_x: vec3f,
-    // The triangle of the scene's index buffer that it is, on a specular surface.
+    // The triangle of the scene's index buffer that it is.
     face: u32,
     direction_y: vec3f,
-    // The object number of that surface; 0 for a bare ray mesh.
+    // The object number of that; 0 for a bare ray mesh.
     object: u32,
     direction_one: vec3f,
     scale_x: f32,
@@ -60,17 +67,24 @@ struct RayTriangle {
     origin_y: vec3f,
     scale_one: f32,
     origin_one: vec3f,
-    padding_0: u32,
+    share_x: f32,
     // What origins are relative to.
     anchor: vec3f,
-    padding_1: u32,
+    share_y: f32,
     // The direction of the light before the surface, seen from the eye; it may have any length.
     incident_x: vec3f,
-    padding_2: u32,
+    share_one: f32,
     incident_y: vec3f,
-    padding_3: u32,
+    // The row of the lens, from 1, and 1 where reflection in it is total; 0 for a mirror.
+    lens: u32,
     incident_one: vec3f,
-    padding_4: u32,
+    total: u32,
+    // The ray triangle whose rays it sends on, and what that has to see for it; 0 for none.
+    before: u32,
+    through: u32,
+    // The object number of the first specular surface on the way from the eye.
+    first: u32,
+    padding: u32,
 }
 
 @group(2) @binding(0) var<storage, read> vertices: array<StoredVertex>;
@@ -78,8 +92,32 @@ struct RayTriangle {
 @group(2) @binding(2) var<storage, read> ray_triangles: array<RayTriangle>;
 @group(2) @binding(3) var<storage, read> pairs: array<Pair>;
 @group(2) @binding(4) var<storage, read> pieces: array<Piece>;
-// The ray triangle of each pixel, from 1; 0 for none.
+// Three to a piece. It stands in for the pieces.
+@group(2) @binding(4) var<storage, read> straight_corners: array<StraightCorner>;
+// A lens, from the side by which rays enter.
+struct Lens {
+    // The middle of the edge of its far face, and the edge's object number; 0 for none.
+    middle: vec4f,
+    // Its axis, and its radius.
+    axis: vec4f,
+}
+
+@group(2) @binding(5) var<storage, read> lenses: array<Lens>;
+
+// The ray triangle of each pixel, by its number; 0 for none. While these are found for rays that go on, those before.
 @group(3) @binding(0) var owners: texture_2d<u32>;
+// The scene triangle that each pixel sees, from 1, and whether it is the front of a specular surface; 0 for the sky.
+@group(3) @binding(1) var triangles_seen: texture_2d<u32>;
+// With straight edges, the weights of its second and third corner.
+@group(3) @binding(2) var weights_seen: texture_2d<f32>;
+// Of rays that go on, what share of their light reaches the eye, by colour.
+@group(3) @binding(3) var throughput: texture_2d<f32>;
+// The first two for several samples a pixel.
+@group(3) @binding(4) var sample_owners: texture_2d<u32>;
+@group(3) @binding(5) var samples_seen: texture_2d<u32>;
+
+// Pixels of the picture for one of what is drawn: less than 1 where there are several samples a pixel.
+override PIXEL: f32 = 1.0;
 
 fn quadratic_at(terms: Quadratic, place: vec2f) -> f32 {
     return (terms.xx * place.x + terms.xy * place.y + terms.x) * place.x + (terms.yy * place.y + terms.y) * place.y + terms.one;
@@ -97,7 +135,9 @@ fn picture_clip(place: vec3f) -> vec4f {
 
 struct OwnerFragment {
     @builtin(position) @invariant pixel: vec4f,
-    @location(0) @interpolate(flat) ray_triangle: u32,
+    @location(0) @interpolate(flat) number: u32,
+    @location(1) @interpolate(flat) before: u32,
+    @location(2) @interpolate(flat) through: u32,
 }
 
 // A corner of a specular surface, as the scene's own drawing shows it.
@@ -105,7 +145,7 @@ fn surface_clip(triangle: RayTriangle, corner: u32) -> vec4f {
     return projection.clip * vec4f(position_of(vertices[indices[3u * triangle.face + corner]]), 1.0);
 }
 
-// A corner of a bare ray mesh.
+// A corner of a ray triangle's own picture.
 fn bare_clip(triangle: RayTriangle, corner: u32) -> vec4f {
     var corners = array<vec3f, 3>(triangle.corner_0, triangle.corner_1, triangle.corner_2);
     return picture_clip(corners[corner]);
@@ -113,21 +153,31 @@ fn bare_clip(triangle: RayTriangle, corner: u32) -> vec4f {
 
 @vertex
 fn surface_owner_vertex(@builtin(vertex_index) index: u32) -> OwnerFragment {
-    let number = index / 3u;
-    let triangle = ray_triangles[number];
-    return OwnerFragment(surface_clip(triangle, index % 3u), (number + 1u) * triangle.valid);
+    let triangle = ray_triangles[index / 3u];
+    return OwnerFragment(surface_clip(triangle, index % 3u), triangle.number, 0u, 0u);
 }
 
 @vertex
 fn bare_owner_vertex(@builtin(vertex_index) index: u32) -> OwnerFragment {
-    let number = index / 3u;
-    let triangle = ray_triangles[number];
-    return OwnerFragment(bare_clip(triangle, index % 3u), (number + 1u) * triangle.valid);
+    let triangle = ray_triangles[index / 3u];
+    return OwnerFragment(bare_clip(triangle, index % 3u), triangle.number, triangle.before, triangle.through);
 }
 
 @fragment
 fn owner(fragment: OwnerFragment) -> @location(0) u32 {
-    return fragment.ray_triangle;
+    return fragment.number;
+}
+
+// Of rays that go on: where those before them see what sends these on.
+@fragment
+fn following_owner(fragment: OwnerFragment) -> @location(0) u32 {
+    let texel = vec2u(fragment.pixel.xy);
+    let before = textureLoad(owners, texel, 0).x;
+    let through = textureLoad(triangles_seen, texel, 0).x;
+    if before != fragment.before || through != fragment.through {
+        discard;
+    }
+    return fragment.number;
 }
 
 struct PieceFragment {
@@ -175,7 +225,7 @@ fn visible(fragment: PieceFragment) -> Visible {
     let t3 = fragment.terms_3;
     let t4 = fragment.terms_4;
     let t5 = fragment.terms_5;
-    let place = fragment.pixel.xy - fragment.center;
+    let place = PIXEL * fragment.pixel.xy - fragment.center;
     let first = quadratic_at(Quadratic(t0.x, t0.y, t0.z, t0.w, t1.x, t1.y), place);
     let second = quadratic_at(Quadratic(t1.z, t1.w, t2.x, t2.y, t2.z, t2.w), place);
     let third = quadratic_at(Quadratic(t3.x, t3.y, t3.z, t3.w, t4.x, t4.y), place);
@@ -188,4 +238,34 @@ fn visible(fragment: PieceFragment) -> Visible {
     }
     // 1 where the rays start and 0 at infinity.
     return Visible(fragment.numbers.y, across / (across + ahead));
+}
+
+struct StraightFragment {
+    @builtin(position) pixel: vec4f,
+    // Weights, and t.
+    @location(0) place: vec3f,
+    @location(1) @interpolate(flat) numbers: vec2u,
+}
+
+@vertex
+fn straight_vertex(@builtin(vertex_index) index: u32) -> StraightFragment {
+    let corner = straight_corners[index];
+    let pair = pairs[corner.pair];
+    let clip = picture_clip(vec3f(corner.x, corner.y, 1.0));
+    return StraightFragment(clip, vec3f(corner.second, corner.third, corner.t), vec2u(pair.ray_triangle, pair.seen));
+}
+
+struct StraightVisible {
+    @location(0) seen: u32,
+    @location(1) weights: vec2f,
+    @builtin(frag_depth) depth: f32,
+}
+
+// The thesis's way: what lies between projected corners is interpolated.
+@fragment
+fn straight_visible(fragment: StraightFragment) -> StraightVisible {
+    if textureLoad(owners, vec2u(fragment.pixel.xy), 0).x != fragment.numbers.x || fragment.place.z < 0.0 {
+        discard;
+    }
+    return StraightVisible(fragment.numbers.y, fragment.place.xy, 1.0 / (1.0 + fragment.place.z));
 }

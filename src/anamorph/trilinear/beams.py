@@ -42,6 +42,8 @@ class Beams(NamedTuple):
     """(K, 2) float64, whole pixels."""
     anchor: np.ndarray
     """(K, 3) float64: the world point that origins and moments are relative to."""
+    weights: np.ndarray
+    """(K, 3, 3) float64: W = (x, y, 1) @ weights, with a common factor that makes them about 1."""
     origin: np.ndarray
     """(K, 3, 3) float64: o = origin @ (x, y, 1)."""
     direction: np.ndarray
@@ -118,6 +120,7 @@ def make_beams(
         number=shown.astype(np.int32),
         center=center,
         anchor=anchor,
+        weights=inverse,
         origin=np.ascontiguousarray(origin),
         direction=np.ascontiguousarray(direction),
         scale=scale,

@@ -1,0 +1,19 @@
+// What has been coloured by itself, where it belongs in the picture. Follows visibility.wgsl.
+
+@group(3) @binding(0) var colors: texture_2d<f32>;
+
+@fragment
+fn composed_color(fragment: OwnerFragment) -> @location(0) vec4f {
+    let texel = vec2i(fragment.pixel.xy);
+    var color = textureLoad(colors, texel, 0);
+    if color.a == 0.0 {
+        // A sample on the border of a surface whose pixel's middle is not on it: a neighbour's colour.
+        var sum = vec4f(0.0);
+        for (var step = 0; step < 4; step++) {
+            let beside = texel + select(vec2i(0, 2 * (step & 1) - 1), vec2i(2 * (step & 1) - 1, 0), step < 2);
+            sum += textureLoad(colors, clamp(beside, vec2i(0), vec2i(textureDimensions(colors)) - 1), 0);
+        }
+        color = sum / max(sum.a, 1.0);
+    }
+    return color;
+}

@@ -16,8 +16,8 @@ from anamorph import cli
 from anamorph.errors import AnamorphError
 from anamorph.frame import View
 from anamorph.measure.thesis import benchmark, plots, printed
-from anamorph.measure.thesis.benchmark import PARTS, QUICK, Results, measure_thesis, write_results
-from anamorph.measure.thesis.cases import cases, samples_for
+from anamorph.measure.thesis.benchmark import CLIPPED_STRAIGHT, PARTS, QUICK, Results, measure_thesis, write_results
+from anamorph.measure.thesis.cases import cases, frames_for
 from anamorph.measure.thesis.configurations import STRAIGHT, TessellationError, configuration_scene
 from anamorph.measure.thesis.crossover import crossings, crossovers
 from anamorph.measure.thesis.curves import clip_plots, random_plots, tessellation_plots
@@ -147,7 +147,8 @@ def test_configurations_have_the_shapes_that_they_are_called_by(label):
 
 def test_times_stand_beside_those_of_their_own_table():
     assert random_table("raytrace:bounces=2") == "d1-ray-tracing"
-    assert random_table("trilinear") == "d2-trilinear"
+    assert random_table("trilinear") == random_table(STRAIGHT) == "d2-trilinear"
+    assert random_table(CLIPPED_STRAIGHT) == "d3-trilinear-clipped"
     row = time_random([Place(128, 128, 1)], ("raytrace",), 1)[0]
     assert row.printed_ms == 390.67 and row.ms >= row.least_ms > 0.0 and row.pixels_a_ray_triangle == 8192
     assert time_random([Place(128, 128, 1, 0.5)], ("raytrace",), 1)[0].printed_ms is None
@@ -193,12 +194,12 @@ def test_a_power_law_crosses_where_it_must_and_words_say_on_which_side():
     assert line(lambda n: {10: 2.0, 100: 0.5, 1000: 2.0}[n]).place > 100
 
 
-def test_equal_quality_is_read_between_the_numbers_of_samples():
-    assert samples_for(0.25, [1.0, 0.25]) == pytest.approx(4.0)
-    assert samples_for(0.5, [1.0, 0.25]) == pytest.approx(2.0)
-    assert samples_for(2.0, [1.0]) == 1.0
-    assert samples_for(0.1, [1.0, 0.5, 0.4, 0.3]) is None
-    assert samples_for(0.0, [0.0]) == 1.0
+def test_equal_quality_is_read_between_the_numbers_of_frames():
+    assert frames_for(0.25, [1.0, 0.25]) == pytest.approx(4.0)
+    assert frames_for(0.5, [1.0, 0.25]) == pytest.approx(2.0)
+    assert frames_for(2.0, [1.0]) == 1.0
+    assert frames_for(0.1, [1.0, 0.5, 0.4, 0.3]) is None
+    assert frames_for(0.0, [0.0]) == 1.0
 
 
 def test_the_cases_have_the_sizes_and_triangles_of_the_table():
@@ -216,8 +217,7 @@ def test_the_cases_have_the_sizes_and_triangles_of_the_table():
 def results():
     extent = replace(SMALL, growth=SMALL.growth[:2], cases=2, case_scale=0.05)
     told = []
-    parts = [part for part in PARTS if part not in ("clipping", "tessellation")]
-    made = measure_thesis(["trilinear"], extent, parts, lambda done, total, what: told.append((done, total)))
+    made = measure_thesis(["trilinear"], extent, PARTS, lambda done, total, what: told.append((done, total)))
     assert [done for done, _ in told] == list(range(told[0][1]))
     return made
 
@@ -228,8 +228,8 @@ def test_every_table_has_the_printed_columns_ours_and_the_machine(results, tmp_p
         path.stem: list(csv.DictReader(path.read_text().splitlines())) for path in written if path.suffix == ".csv"
     }
     expected = {
-        "d1-ray-tracing", "d2-trilinear", "d4-ray-tracing-configurations", "d5-trilinear-configurations", "growth",
-        "table-8-1",
+        "d1-ray-tracing", "d2-trilinear", "d3-trilinear-clipped", "d4-ray-tracing-configurations",
+        "d5-trilinear-configurations", *TESSELLATION.values(), "growth", "table-8-1",
     }  # fmt: skip
     assert tables.keys() == expected
     for name, lines in tables.items():
@@ -238,14 +238,15 @@ def test_every_table_has_the_printed_columns_ours_and_the_machine(results, tmp_p
         if name.startswith("d"):
             assert set(rows(name)[0]) < set(lines[0]) and "printed_ms" in lines[0]
     assert {row["method"] for row in tables["d1-ray-tracing"]} == {"raytrace"}
-    assert {row["method"] for row in tables["d2-trilinear"]} == {"trilinear"}
+    assert {row["method"] for row in tables["d2-trilinear"]} == {"trilinear", STRAIGHT}
+    assert {row["method"] for row in tables["d3-trilinear-clipped"]} == {CLIPPED_STRAIGHT}
     assert [row["printed_ms"] for row in tables["d1-ray-tracing"] if row["resolution_px"] == "576"] == [""] * 3
 
 
 def test_plots_are_pictures_where_matplotlib_is_installed(results, tmp_path):
     pytest.importorskip("matplotlib")
     pictures = [path for path in write_results(results, tmp_path) if path.suffix == ".png"]
-    assert len(pictures) == 8
+    assert len(pictures) == 12
     for path in pictures:
         with Image.open(path) as picture:
             assert min(picture.size) > 300 and len(picture.convert("RGB").getcolors(1 << 20)) > 10
@@ -268,7 +269,7 @@ def test_nothing_but_drawing_wants_matplotlib():
 
 def test_the_summary_says_what_was_measured(results):
     titles = [str(table.title) for table in summary_tables(results)]
-    assert titles[0] == "Table 8.1" and titles[2].startswith("Crossover")
+    assert titles[0].startswith("Table 8.1") and titles[2].startswith("Crossover")
     assert summary_tables(Results("", 1)) == []
     assert exact_over_straight(results) is None
     both = [time(ms=3.0), time(STRAIGHT, 2.0), time(count=20), time("raytrace")]
@@ -287,7 +288,7 @@ def test_printed_lines_are_drawn_as_the_thesis_has_them():
     assert {line.kind for line in error.panels[0].lines} == {"tessellate", "slices"}
     assert [line.y for line in mean.panels[0].lines if line.kind == "exact"] == [(0.0, 0.0)]
     assert all(line.y == (2.0, 20.0) for line in spent.panels[1].lines)
-    clipped = f"{STRAIGHT},clip=scene"
+    clipped = CLIPPED_STRAIGHT
     pair = [time(STRAIGHT, 2.0, known=1.0), time(clipped, 3.0, known=2.0)]
     ours, theirs = clip_plots(pair, STRAIGHT, clipped)[0].panels
     assert ours.lines[0].y == (1.5,) and theirs.lines[0].y == (2.0,)

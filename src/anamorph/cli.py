@@ -177,14 +177,14 @@ def _bench_deforming(arguments: argparse.Namespace) -> None:
 
 def _bench_trilinear(arguments: argparse.Namespace) -> None:
     from anamorph.measure.table import print_table
-    from anamorph.measure.thesis.benchmark import DEFAULT, FULL, PARTS, QUICK, measure_thesis, write_results
+    from anamorph.measure.thesis.benchmark import FULL, PARTS, QUICK, measure_thesis, write_results
     from anamorph.measure.thesis.plots import INSTALL, can_plot
     from anamorph.measure.thesis.summary import exact_over_straight, summary_tables
 
     check_directory(arguments.output)
     with progress_bar("timing trilinear projection") as tell:
         extent = QUICK if arguments.quick else FULL
-        results = measure_thesis(arguments.method or DEFAULT, extent, arguments.part or PARTS, tell)
+        results = measure_thesis(arguments.method, extent, arguments.part or PARTS, tell)
     written = write_results(results, arguments.output)
     for table in summary_tables(results):
         print_table(table)

@@ -44,9 +44,9 @@ class Case:
 class CaseTime:
     """What a frame takes, milliseconds, and what equal quality takes.
 
-    `flip` is that of one sample a pixel against 16 of the tracer. `samples` is how many samples a pixel have the FLIP
-    of the tracer with 4, between 1, 4, 9 and 16 by interpolation in logarithms; None where 16 are not enough.
-    `equal_quality_ms` is so many times `ms`.
+    `flip` is that of one frame against the mean of 16 shifted ones by the tracer. `frames` is how many shifted frames
+    have the FLIP of the tracer's mean of 4: at least 1, between 1, 4, 9 and 16 by interpolation in logarithms, None
+    where 16 are not enough. `equal_quality_ms` is so many times `ms`.
     """
 
     figure: str
@@ -58,7 +58,7 @@ class CaseTime:
     ms: float
     least_ms: float
     flip: float
-    samples: float | None
+    frames: float | None
     equal_quality_ms: float | None
     printed_ms: float
 
@@ -103,8 +103,8 @@ def averaged(session: Session, camera: Camera | RayMesh, side: int) -> np.ndarra
     return np.asarray(total) / side**2
 
 
-def samples_for(goal: float, flips: Sequence[float]) -> float | None:
-    """How many samples a pixel have the FLIP `goal`, where `flips` are those of 1, 4, 9 ... samples; at least 1."""
+def frames_for(goal: float, flips: Sequence[float]) -> float | None:
+    """How many shifted frames have the FLIP `goal`, where `flips` are those of 1, 4, 9 ... frames; at least 1."""
     if flips[-1] > goal:
         return None
     counts = np.arange(1, len(flips) + 1) ** 2
@@ -136,12 +136,12 @@ def time_cases(
             flips = [_flip(truth, sessions[specification], view, 1)]
             while flips[-1] > goal and len(flips) < TRUTH_SIDE:
                 flips.append(_flip(truth, sessions[specification], view, len(flips) + 1))
-            samples = samples_for(goal, flips)
+            needed = frames_for(goal, flips)
             known = float(printed["ray_ms" if method == COMPETITOR else "trilinear_ms"])
             timed.append(
                 CaseTime(
                     case.figure, *case.size, case.projections, case.scene_triangles, method, timing.median, timing.min,
-                    flips[0], samples, samples and samples * timing.median, known,
+                    flips[0], needed, needed and needed * timing.median, known,
                 )
             )  # fmt: skip
     return timed

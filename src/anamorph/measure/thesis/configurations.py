@@ -27,8 +27,9 @@ from anamorph.methods import with_option
 from anamorph.raymesh import RayMesh
 from anamorph.scene.model import Scene
 
-STRAIGHT = "trilinear:edges=straight"
 EXACT = "trilinear"
+STRAIGHT = "trilinear:edges=straight,clip=screen"
+"""As the thesis draws where it says nothing else."""
 EXACT_EDGES = "exact"
 """Stands where a way to tessellate does; its factor is 0."""
 

@@ -54,10 +54,13 @@ def save_plot(path: Path, title: str, panels: Sequence[Panel]) -> None:
     from matplotlib.ticker import LogLocator, NullLocator
 
     panels = [panel for panel in panels if panel.lines]
-    groups = list(dict.fromkeys(line.group for panel in panels for line in panel.lines))
     kinds = list(dict.fromkeys(line.kind for panel in panels for line in panel.lines))
-    # The map's last, pale yellow cannot be seen on white.
-    colors = {group: colormaps["viridis"](0.88 * i / max(1, len(groups) - 1)) for i, group in enumerate(groups)}
+    colors: dict[str, tuple[float, float, float, float]] = {}
+    for panel in panels:
+        groups = [group for group in dict.fromkeys(line.group for line in panel.lines) if group not in colors]
+        # Groups of another kind in a second panel have colours of another map. The last ones cannot be seen on white.
+        colormap = colormaps["plasma" if colors else "viridis"]
+        colors |= {group: colormap(0.88 * i / max(1, len(groups) - 1)) for i, group in enumerate(groups)}
     styles = {
         kind: {"linestyle": DASHES[i % len(DASHES)], "marker": MARKERS[i % len(MARKERS)], "markersize": 4}
         for i, kind in enumerate(kinds)

@@ -43,10 +43,11 @@ def printed(name: str, value: str = "ms", **key: object) -> float | None:
 
 def random_table(method: str) -> str:
     """The table whose counterpart a method's times over random triangles are."""
-    name, options = parse(method)
-    if name.name == COMPETITOR:
+    chosen, options = parse(method)
+    if chosen.name == COMPETITOR:
         return RAY_TRACING
-    return CLIPPED if getattr(options, "clip", "") == "scene" else TRILINEAR
+    clipped = (getattr(options, "edges", ""), getattr(options, "clip", "")) == ("straight", "scene")
+    return CLIPPED if clipped else TRILINEAR
 
 
 def configurations() -> dict[str, np.ndarray]:

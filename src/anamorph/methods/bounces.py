@@ -55,6 +55,24 @@ class World(NamedTuple):
     max_bounces: int
 
 
+class VertexRays(NamedTuple):
+    """The rays of ray meshes, by vertex of the geometry; none where all light bends at its surface."""
+
+    origins: np.ndarray
+    """(V, 3) float64"""
+    directions: np.ndarray
+    """(V, 3) float64"""
+    share: np.ndarray
+    """(V,) float64: what share of the light crosses a lens."""
+    leaves: np.ndarray
+    """(V,) bool: whether the ray leaves its lens by the far face."""
+    far: np.ndarray
+    """(objects + 1,) int64: of a lens's near face, the far one; else 0."""
+
+
+NO_RAYS = VertexRays(np.zeros((0, 3)), np.zeros((0, 3)), np.zeros(0), np.zeros(0, np.bool_), np.zeros(0, np.int64))
+
+
 class Paths(NamedTuple):
     """Light paths on their way: the ray each is on, what it hit, and what is known of it."""
 
@@ -203,10 +221,10 @@ def _bend(
     origin: Vector,
     direction: Vector,
     distance: float,
-    vertex_origins: np.ndarray,
-    vertex_directions: np.ndarray,
+    rays: VertexRays,
+    far: int,
 ) -> tuple[Vector, Vector, float, bool]:
-    """The ray after a hit on specular object `item`.
+    """The ray after a hit on specular object `item`; where it leaves the lens by the face `far`, if that is not 0.
 
     Returns
     -------
@@ -229,11 +247,15 @@ def _bend(
     weights = (1.0 - u - v, u, v)
     mirror, constant = world.material[item] == MIRROR, world.constant[item]
 
-    if mirror and len(vertex_origins):
-        bent = unit(_blend(vertex_directions, face, weights))
+    if len(rays.origins) and (mirror or far):
+        bent = unit(_blend(rays.directions, face, weights))
         change = along(bent, -1.0, direction)
         share = _schlick(constant, 0.5 * math.sqrt(dot(change, change)))
-        return _blend(vertex_origins, face, weights), bent, share, False
+        if far:
+            share = 0.0
+            for corner in range(3):
+                share += weights[corner] * rays.share[face[corner]]
+        return _blend(rays.origins, face, weights), bent, share, far > 0
 
     side = 1.0 if slope < 0.0 else -1.0
     geometric = unit((side * area[0], side * area[1], side * area[2]))
@@ -255,6 +277,17 @@ def _bend(
 
 
 @inlined
+def _far_face(rays: VertexRays, item: int, face: np.ndarray) -> int:
+    """The face by which the interpolated ray leaves the lens whose near face is `item`; 0 where there is none.
+
+    Where a corner's ray does not leave there, because it is reflected totally or meets the edge, none is interpolated.
+    """
+    if not len(rays.origins) or not rays.far[item]:
+        return 0
+    return rays.far[item] if rays.leaves[face[0]] and rays.leaves[face[1]] and rays.leaves[face[2]] else 0
+
+
+@inlined
 def _outside(world: World, face: np.ndarray, direction: Vector) -> tuple[bool, float]:
     """Whether a ray hits a triangle's front, and the length of its longest edge."""
     a, b, c = _corner(world.positions, face[0]), _corner(world.positions, face[1]), _corner(world.positions, face[2])
@@ -268,15 +301,14 @@ def advance(
     world: World,
     paths: Paths,
     count: int,
-    vertex_origins: np.ndarray,
-    vertex_directions: np.ndarray,
+    rays: VertexRays,
     records: np.ndarray,
     words: np.ndarray,
 ) -> int:
     """End or bend the first `count` paths, whose rays have been cast.
 
-    With `vertex_origins` and `vertex_directions` (V, 3) float64 a mirror sends on the interpolated ray of a ray mesh;
-    with (0, 3) it reflects at its surface.
+    With `rays` a mirror sends on the interpolated ray of a ray mesh, and the near face of a lens that which leaves the
+    far one; with `NO_RAYS` light bends at every surface.
 
     Returns
     -------
@@ -312,23 +344,26 @@ def advance(
                 _finish(records, words, paths, i, True)
                 continue
 
-        share, tinted, total, dispersed = 1.0, False, paths.total[i], paths.dispersed[i]
+        share, tinted, total, dispersed, far = 1.0, False, paths.total[i], paths.dispersed[i], 0
         if passes:
             near = paths.distance[i] * (1.0 + 1e-6) + world.near
         else:
+            far = _far_face(rays, item, face) if outside else 0
             origin, direction, share, crosses = _bend(
-                world, item, face, origin, direction, paths.distance[i], vertex_origins, vertex_directions
+                world, item, face, origin, direction, paths.distance[i], rays, far
             )
             tinted = material == MIRROR or crosses
             total, dispersed = total or not tinted, dispersed or world.disperses[item]
-            left = item if outside != crosses else -item
+            left = far if far else item if outside != crosses else -item
             near, skin = world.near, longest if curved else 100.0 * world.near
         for axis in range(3):
             paths.origin[going, axis], paths.direction[going, axis] = origin[axis], direction[axis]
             factor = share * world.tint[item, axis] if tinted else share
+            # A lens is crossed at two faces at once.
+            factor *= world.tint[far, axis] if far else 1.0
             paths.throughput[going, axis] = paths.throughput[i, axis] * factor
         paths.pixel[going], paths.specular[going] = paths.pixel[i], paths.specular[i]
-        paths.bounces[going], paths.total[going] = paths.bounces[i] + (0 if passes else 1), total
+        paths.bounces[going], paths.total[going] = paths.bounces[i] + (0 if passes else 2 if far else 1), total
         paths.dispersed[going] = dispersed
         paths.left[going], paths.skin[going], paths.near[going] = left, skin, near
         going += 1

@@ -8,11 +8,11 @@ import numpy as np
 
 from anamorph.compiled import over_all_cores
 from anamorph.errors import AnamorphError
-from anamorph.methods.bounces import DIFFUSE, GLASS, MIRROR, WORDS, Paths, World, advance
+from anamorph.methods.bounces import DIFFUSE, GLASS, MIRROR, NO_RAYS, WORDS, Paths, VertexRays, World, advance
 from anamorph.methods.launch import Launch, along_rays, from_eye
+from anamorph.methods.vertex_rays import Line, SceneRays
 from anamorph.optics.dispersion import line_indices
 from anamorph.optics.exact import pack
-from anamorph.optics.reflection import reflected_rays, reflector
 from anamorph.rays import Caster
 from anamorph.scene.camera import Camera
 from anamorph.scene.geometry import Geometry
@@ -21,7 +21,6 @@ from anamorph.scene.model import Glass, Mirror, Scene
 Rectangle = tuple[int, int, int, int]
 
 GRAIN = 8192
-NO_RAYS = np.zeros((0, 3))
 
 
 class PathTracer:
@@ -38,7 +37,9 @@ class PathTracer:
         Bounces after which a path ends where it is.
     truth : str
         "surface": rays bend at the exact surface, or at the interpolated normal of a mesh that has none.
-        "raymesh": the first bounce sends on the interpolated ray of the mirror's ray mesh; later ones are as above.
+        "raymesh": the first bounce sends on the interpolated ray of the ray mesh of the mirror, or of the lens, which
+        leaves its far face; later ones are as above. Where a corner's ray does not leave the lens there, because it is
+        reflected totally or meets the edge, the first bounce is as above, too.
 
     Attributes
     ----------
@@ -56,11 +57,7 @@ class PathTracer:
         self._caster = caster
         self._red, self._green, self._blue = _worlds(scene, geometry, caster.near, max_bounces)
         self.disperses = bool(self._green.disperses.any())
-        self._reflectors = [
-            (int(geometry.first_vertex[number]), reflector(mesh))
-            for number, mesh in enumerate(scene.meshes)
-            if truth == "raymesh" and mesh.specular
-        ]
+        self._scene_rays = SceneRays(scene, geometry) if truth == "raymesh" else None
         self._thread = threading.local()
 
     def moved(self, geometry: Geometry) -> None:
@@ -139,7 +136,7 @@ class PathTracer:
             The size of all tiles.
         """
         launch = from_eye(camera, size, corners, tile, shift)
-        rays = self._vertex_rays(camera, size)
+        rays = self._vertex_rays(camera, size, 1)
         return self._trace(self._green, launch, len(corners) * tile[0] * tile[1], rays, records)
 
     def trace_rays(self, origins: np.ndarray, directions: np.ndarray, records: np.ndarray | None = None) -> np.ndarray:
@@ -159,7 +156,7 @@ class PathTracer:
             Where there is no ray, the status is OUTSIDE, and origin, direction and throughput are zero.
         """
         launch = along_rays(origins, directions)
-        return self._trace(self._green, launch, len(origins), (NO_RAYS, NO_RAYS), records)
+        return self._trace(self._green, launch, len(origins), NO_RAYS, records)
 
     def trace_colors(
         self,
@@ -190,12 +187,14 @@ class PathTracer:
         row, column = np.divmod(place, columns)
         pixels = np.asarray(corners)[number] + np.stack([column, row], axis=-1)
         launch = from_eye(camera, size, pixels, (1, 1), shift)
-        return self._trace_lines(launch, len(numbers), self._vertex_rays(camera, size))
+        return self._trace_lines(
+            launch, len(numbers), self._vertex_rays(camera, size, 0), self._vertex_rays(camera, size, 2)
+        )
 
     def trace_ray_colors(self, origins: np.ndarray, directions: np.ndarray, records: np.ndarray) -> np.ndarray:
         """The same for the `origins` and `directions` for which `trace_rays` returned `records`."""
         numbers = self._numbered(records)
-        return self._trace_lines(along_rays(origins[numbers], directions[numbers]), len(numbers), (NO_RAYS, NO_RAYS))
+        return self._trace_lines(along_rays(origins[numbers], directions[numbers]), len(numbers), NO_RAYS, NO_RAYS)
 
     def _numbered(self, records: np.ndarray) -> np.ndarray:
         """The rows of paths that disperse, counted from 1 in their word 14."""
@@ -204,10 +203,10 @@ class PathTracer:
         words[numbers, 14] = np.arange(1, len(numbers) + 1)
         return numbers
 
-    def _trace_lines(self, launch: Launch, count: int, rays: tuple[np.ndarray, np.ndarray]) -> np.ndarray:
+    def _trace_lines(self, launch: Launch, count: int, red: VertexRays, blue: VertexRays) -> np.ndarray:
         """Red and blue light of `count` paths, (2, count, 16)."""
         colors = np.empty((2, count, WORDS), np.float32)
-        for world, own in zip((self._red, self._blue), colors, strict=True):
+        for world, rays, own in zip((self._red, self._blue), (red, blue), colors, strict=True):
             self._trace(world, launch, count, rays, own)
         return colors
 
@@ -216,7 +215,7 @@ class PathTracer:
         world: World,
         launch: Launch,
         count: int,
-        rays: tuple[np.ndarray, np.ndarray],
+        rays: VertexRays,
         records: np.ndarray | None,
     ) -> np.ndarray:
         """Trace `count` paths; `rays` are those of the ray meshes that the first bounce sends on."""
@@ -231,8 +230,8 @@ class PathTracer:
             while going:
                 # Rays of neighbouring pixels keep together until the second bounce.
                 self._cast(paths, going, coherent=turn < 2)
-                going = advance(world, paths, going, *bending, own, own_words)
-                bending = (NO_RAYS, NO_RAYS)
+                going = advance(world, paths, going, bending, own, own_words)
+                bending = NO_RAYS
                 turn += 1
 
         over_all_cores(work, count, GRAIN)
@@ -250,16 +249,9 @@ class PathTracer:
             paths.distance[:count], paths.triangle[:count], paths.barycentric[:count],
         )  # fmt: skip
 
-    def _vertex_rays(self, camera: Camera, size: tuple[int, int]) -> tuple[np.ndarray, np.ndarray]:
-        """The rays of the ray meshes, by vertex of the geometry; none for surface truth."""
-        if not self._reflectors:
-            return NO_RAYS, NO_RAYS
-        origins, directions = np.zeros((2, len(self._green.positions), 3))
-        for first, mirror in self._reflectors:
-            mesh = reflected_rays(mirror, camera.eye(size))
-            own = slice(first, first + len(mesh.origins))
-            origins[own], directions[own] = mesh.origins, mesh.directions
-        return origins, directions
+    def _vertex_rays(self, camera: Camera, size: tuple[int, int], line: Line) -> VertexRays:
+        """The rays of the ray meshes; none for surface truth."""
+        return NO_RAYS if self._scene_rays is None else self._scene_rays.seen_by(camera.eye(size), line)
 
 
 def _worlds(scene: Scene, geometry: Geometry, near: float, max_bounces: int) -> tuple[World, World, World]:

@@ -39,7 +39,7 @@ class Options:
     ----------
     truth : str
         "surface": rays bend at the exact surface, or for a plain mesh at its interpolated normal. "raymesh": the
-        vertex rays of a mirror's ray mesh are interpolated; not with a ray mesh as the camera.
+        vertex rays of a mirror's or a lens's ray mesh are interpolated; not with a ray mesh as the camera.
     bounces : int
         How many specular surfaces a path may meet.
     dispersion : bool
@@ -170,7 +170,7 @@ def open_session(view: View, options: Options) -> Session:
     if options.tree not in ("refit", "rebuild"):
         raise AnamorphError(f"raytrace: tree is {options.tree}; give refit or rebuild")
     if options.truth == "raymesh" and isinstance(view.camera, RayMesh):
-        raise AnamorphError("raytrace: truth=raymesh is for mirrors that a pinhole sees; give truth=surface")
+        raise AnamorphError("raytrace: truth=raymesh is for mirrors and lenses that a pinhole sees; give truth=surface")
     if not 1 <= options.bounces <= 255:
         raise AnamorphError(f"raytrace: bounces is {options.bounces}; give a number from 1 to 255")
     stage = Stage(view)

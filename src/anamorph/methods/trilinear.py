@@ -11,7 +11,7 @@ these are too wrong, which `edges=straight` does (trilinear/straight.py). Else e
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import wgpu
@@ -135,23 +135,24 @@ class TrilinearDrawing:
             lines = [bare_rays(camera)]
         else:
             lines = self._sources.rays(camera, self._stage.view.size, self._options.dispersion)
-        for number, (rays, line) in enumerate(zip(lines, self._lines, strict=False)):
-            beams = self._beams(rays, shift)
+        for number, (unmoved, line) in enumerate(zip(lines, self._lines, strict=False)):
+            rays = replace(unmoved, picture=unmoved.picture - unmoved.picture[..., 2:] * [*shift, 0.0])
+            beams = self._beams(rays)
             plan = self._planned(rays, beams)
             records = triangle_records(rays, beams)
             if isinstance(camera, Camera):
                 add_incident(records, beams, camera, self._stage.view.size, shift)
             pairs = pair_records(beams, plan, self._sources.group > 0)
-            line.visibility.write(records, pairs, self._pieces(rays, beams, plan, shift))
+            line.visibility.write(records, pairs, self._pieces(rays, beams, plan))
             line.visibility.draw(encoder, self._stage.projection)
             line.coloring.draw(encoder, self._stage.projection, clear=number == 0)
             self._plan = plan if number == 0 else self._plan
 
-    def _beams(self, rays: Rays, shift: tuple[float, float]) -> Beams:
+    def _beams(self, rays: Rays) -> Beams:
         chosen = np.flatnonzero(rays.exists)
-        picture = rays.picture[chosen] - rays.picture[chosen][..., 2:] * [*shift, 0.0]
+        picture, origins, directions = (each[chosen] for each in (rays.picture, rays.origins, rays.directions))
         near = NEAR * float(np.abs(self._corners).max(initial=0.0))
-        beams = make_beams(picture, rays.origins[chosen], rays.directions[chosen], self._stage.view.size, near)
+        beams = make_beams(picture, origins, directions, self._stage.view.size, near)
         return beams._replace(number=chosen[beams.number].astype(np.int32))
 
     def _planned(self, rays: Rays, beams: Beams) -> Plan:
@@ -161,14 +162,13 @@ class TrilinearDrawing:
         triangles = Triangles(tree.faces, tree.low, tree.high, tree.corners, self._sources.group)
         return self._planner.plan(beams, triangles, own)
 
-    def _pieces(self, rays: Rays, beams: Beams, plan: Plan, shift: tuple[float, float]) -> np.ndarray:
+    def _pieces(self, rays: Rays, beams: Beams, plan: Plan) -> np.ndarray:
         options = self._options
         if options.edges == "exact":
             return piece_records(plan)
-        picture = rays.picture - rays.picture[..., 2:] * [*shift, 0.0]
         pairs = np.column_stack([beams.number[plan.pair[:, 0]], plan.pair[:, 1]]).astype(np.int32)
         pieces = straight_pieces(
-            picture, rays.origins, rays.directions, self._corners, pairs,
+            rays.picture, rays.origins, rays.directions, self._corners, pairs,
             slices=options.slices, tessellate=options.tessellate, scene_clip=options.clip == "scene",
         )  # fmt: skip
         return straight_records(pieces)

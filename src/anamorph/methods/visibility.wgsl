@@ -264,7 +264,10 @@ struct StraightVisible {
 // The thesis's way: what lies between projected corners is interpolated.
 @fragment
 fn straight_visible(fragment: StraightFragment) -> StraightVisible {
-    if textureLoad(owners, vec2u(fragment.pixel.xy), 0).x != fragment.numbers.x || fragment.place.z < 0.0 {
+    let own = textureLoad(owners, vec2u(fragment.pixel.xy), 0).x == fragment.numbers.x;
+    // Software interpolates over a sliver what is no number.
+    let defined = all(abs(fragment.place.xy) <= vec2f(2.0)) && fragment.place.z >= 0.0;
+    if !own || !defined {
         discard;
     }
     return StraightVisible(fragment.numbers.y, fragment.place.xy, 1.0 / (1.0 + fragment.place.z));

@@ -33,7 +33,7 @@ def reflector(mesh: Mesh) -> Reflector:
     """Prepare a mirror mesh for `reflected_rays`, once for all frames."""
     if not isinstance(mesh.material, Mirror):
         raise AnamorphError(
-            f"mesh {mesh.name!r}: is no mirror, whose rays truth=raymesh is for; use raytrace:truth=surface"
+            f"mesh {mesh.name!r}: is no mirror and no lens, whose rays truth=raymesh is for; use raytrace:truth=surface"
         )
     if mesh.surface is not None and mesh.parameters is not None:
         exact = mesh.surface.normal(mesh.parameters)

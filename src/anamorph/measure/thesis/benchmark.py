@@ -130,8 +130,8 @@ def measure_thesis(
 ) -> Results:
     """Measure the tracer and `methods`, each "NAME" or "NAME:option=value,...".
 
-    Without `methods`, they are `DEFAULT`. Clipping and tessellation are ways of drawing with straight edges, and measured
-    with them whatever `methods` are.
+    Without `methods`, they are `DEFAULT`. Clipping and tessellation are ways of drawing with straight edges, and
+    measured with them whatever `methods` are.
     """
     for part in parts:
         if part not in PARTS:

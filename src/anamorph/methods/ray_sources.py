@@ -77,7 +77,7 @@ def _any_direction(mesh: RayMesh) -> np.ndarray:
 
 
 def _faces_eye(mesh: RayMesh) -> np.ndarray:
-    """Whether triangles turn clockwise in the picture, whose y points down; also where it runs through the eye's plane."""
+    """Whether triangles turn their front to the eye, (K,): clockwise in the picture, whose y points down."""
     return np.linalg.det(mesh.picture[mesh.faces]) < 0.0
 
 

@@ -14,10 +14,9 @@ def is_inside(terms: np.ndarray, x: float, y: float) -> bool:
         xx, xy, yy = terms[first], terms[first + 1], terms[first + 2]
         if (xx * x + xy * y + terms[first + 3]) * x + (yy * y + terms[first + 4]) * y + terms[first + 5] < 0.0:
             return False
-    for first in (18, 21):
-        if terms[first] * x + terms[first + 1] * y + terms[first + 2] < 0.0:
-            return False
-    return True
+    across = terms[18] * x + terms[19] * y + terms[20]
+    ahead = terms[21] * x + terms[22] * y + terms[23]
+    return across >= 0.0 and ahead >= 0.0
 
 
 @inlined

@@ -104,7 +104,9 @@ class TrilinearDrawing:
 
         def composed(vertex: str, fragment: str, **settings: Any) -> wgpu.GPURenderPipeline:
             groups, formats, samples = (data_layout(), whole), (COLOR_FORMAT,), options.antialias
-            return make_pipeline(module, vertex, fragment, formats, buffers=(), groups=groups, samples=samples, **settings)
+            return make_pipeline(
+                module, vertex, fragment, formats, buffers=(), groups=groups, samples=samples, **settings
+            )
 
         if self._bare:
             self._composed = composed("bare_owner_vertex", "composed_color")

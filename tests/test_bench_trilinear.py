@@ -18,7 +18,12 @@ from anamorph.frame import View
 from anamorph.measure.thesis import benchmark, plots, printed
 from anamorph.measure.thesis.benchmark import CLIPPED_STRAIGHT, PARTS, QUICK, Results, measure_thesis, write_results
 from anamorph.measure.thesis.cases import cases, frames_for
-from anamorph.measure.thesis.configurations import STRAIGHT, TessellationError, configuration_scene
+from anamorph.measure.thesis.configurations import (
+    STRAIGHT,
+    TessellationError,
+    configuration_scene,
+    measure_tessellation,
+)
 from anamorph.measure.thesis.crossover import crossings, crossovers
 from anamorph.measure.thesis.curves import clip_plots, random_plots, tessellation_plots
 from anamorph.measure.thesis.moving import camera_path, open_sessions, time_methods
@@ -324,3 +329,11 @@ def test_the_columns_of_all_rows_are_plain_figures(results):
     for part in fields(results):
         for row in getattr(results, part.name) if part.name in PARTS else ():
             assert all(isinstance(getattr(row, f.name), int | float | str | None) for f in fields(row))
+
+
+def test_pixels_on_the_border_of_a_ray_triangle_do_not_count():
+    """In configuration 2,3 the scene triangle is seen across the long side, whose pixels only the tracer has."""
+    found = measure_tessellation(["2,3"], 64, [4], 1)
+    exact = next(row for row in found if row.way == "exact")
+    assert exact.relative_error <= 1e-4
+    assert all(row.relative_error > 10 * exact.relative_error for row in found if row.way != "exact")

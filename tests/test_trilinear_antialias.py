@@ -10,9 +10,11 @@ from scenes import SIZE, drawn, flat_mirror, scene_with, spherical_mirror
 
 from anamorph import cameras
 from anamorph.frame import View
+from anamorph.measure.errors import silhouettes
 from anamorph.methods import parse
 from anamorph.raymesh import RayMesh
 from anamorph.rendering import accumulate
+from anamorph.scene.builtin import make
 from anamorph.scene.camera import Camera
 from anamorph.scene.model import AmbientLight, Diffuse, Mesh, Scene, Sky
 
@@ -138,3 +140,14 @@ def test_mirrors_are_as_smooth_as_four_pictures():
     wrong = np.abs(smooth - mean)[inside].max(axis=-1)
     assert np.abs(one - mean)[inside].max() > 0.1
     assert (wrong <= 5e-3).mean() > 0.99 and wrong.max() <= 0.12
+
+
+def test_every_color_is_smooth_through_glass_that_disperses():
+    scene, size = make("magnifier"), (120, 90)
+    mean = four(scene, scene.camera, "trilinear", size)
+    one, smooth = (color(scene, scene.camera, f"trilinear:antialias={n}", size=size) for n in (1, 4))
+    specular = drawn(scene, "trilinear", size).specular
+    counted = (specular > 0) & ~silhouettes(specular)
+    wrong, before = (np.abs(each - mean)[counted].mean(axis=0) for each in (smooth, one))
+    assert counted.sum() > 1000
+    assert (wrong < 0.4 * before).all()

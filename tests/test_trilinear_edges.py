@@ -85,7 +85,8 @@ def wrong_share(name: str, specification: str) -> float:
 @pytest.mark.parametrize("clip", ["scene", "screen"])
 def test_divided_more_finely_straight_edges_come_to_the_exact_ones(way, clip):
     errors = [
-        np.mean([wrong_share(name, f"{STRAIGHT},clip={clip},{way}={count}") for name in NAMES[::2]]) for count in (1, 6, 48)
+        np.mean([wrong_share(name, f"{STRAIGHT},clip={clip},{way}={count}") for name in NAMES[::2]])
+        for count in (1, 6, 48)
     ]
     assert errors[0] > 0.02
     assert errors[1] < 0.5 * errors[0] and errors[2] <= 0.02

@@ -112,13 +112,22 @@ def measure_tessellation(
         chosen = {(EXACT_EDGES, 0): EXACT}
         chosen |= {(way, factor): with_option(STRAIGHT, way, factor) for way in TESSELLATION for factor in factors}
         truth = _drawn(view, COMPETITOR)
-        counted = np.ones(truth.shape[:2], bool)
+        counted = _within(side)
         for (way, factor), method in chosen.items():
             timing = time_methods(scene, rays, view.size, [method], frames).timings[method]
             error = color_errors(truth, _drawn(view, method), counted).relative_error
             known = _printed(name, side, way, factor)
             rows.append(TessellationError(name, side**2, way, factor, timing.median, timing.min, error, *known))
     return rows
+
+
+def _within(side: int) -> np.ndarray:
+    """Pixels (side, side) that the ray triangle covers, or does not, whatever the rule for pixels on its border.
+
+    Its long side runs through the middles of a diagonal of pixels: the tracer has rays there and rasterisers have none.
+    """
+    across = np.add.outer(np.arange(side), np.arange(side))
+    return across != side - 1
 
 
 def _printed(name: str, side: int, way: str, factor: int) -> tuple[float | None, float | None]:

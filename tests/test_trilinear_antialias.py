@@ -1,4 +1,4 @@
-"""Four samples a pixel by `trilinear`: the mean of four pictures where colours are flat, and outlines without fringes."""
+"""Four samples a pixel by `trilinear`: the mean of four pictures where colours are flat, and no fringes at outlines."""
 
 from __future__ import annotations
 

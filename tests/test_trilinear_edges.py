@@ -1,4 +1,4 @@
-"""Frames of `trilinear:edges=straight`: the pieces that they are of, what they come to, and options that are refused."""
+"""Frames of `trilinear:edges=straight`: their pieces, what they come to, and options that are refused."""
 
 from __future__ import annotations
 
@@ -147,7 +147,7 @@ def test_cutting_on_the_screen_leaves_cracks_where_cutting_in_the_scene_leaves_n
     ],
 )
 def test_options_that_mean_nothing_are_refused_in_one_line(options, said):
-    with pytest.raises(AnamorphError, match="^trilinear: ") as caught:
+    with pytest.raises(AnamorphError, match=r"^trilinear: ") as caught:
         drawn(scene_with(spherical_mirror()), f"trilinear:{options}", (8, 6))
     assert said in str(caught.value) and "\n" not in str(caught.value)
 

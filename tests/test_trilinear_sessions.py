@@ -1,4 +1,4 @@
-"""Sessions of `trilinear`: what moves, what is drawn twice, and scenes and ray meshes in which there is little to see."""
+"""Sessions of `trilinear`: what moves, what is drawn twice, and scenes and ray meshes with little to see."""
 
 from __future__ import annotations
 
@@ -134,18 +134,14 @@ def test_mirrors_behind_the_eye_or_turned_away_are_as_if_not_there():
         assert (frame.object_id == truth.object_id).all() and (frame.object_id == 1).sum() > 100
 
 
-def parts(mesh: RayMesh, **changed) -> RayMesh:
-    return replace(mesh, **changed)
-
-
 def test_ray_meshes_without_triangles_in_the_picture_see_nothing():
     scene, whole = cube_scene(), cameras.pinhole(CUBE_CAMERA, SIZE)
     method, options = parse("trilinear")
     empty = {
-        "no triangle": parts(whole, faces=whole.faces[:0]),
-        "beside the picture": parts(whole, picture=whole.picture + [500.0, 0.0, 0.0]),
-        "of no area": parts(whole, picture=whole.picture * [1.0, 0.0, 1.0] + [0.0, 20.3, 0.0]),
-        "no direction": parts(whole, directions=np.zeros_like(whole.directions)),
+        "no triangle": replace(whole, faces=whole.faces[:0]),
+        "beside the picture": replace(whole, picture=whole.picture + np.array([500.0, 0.0, 0.0])),
+        "of no area": replace(whole, picture=whole.picture * [1.0, 0.0, 1.0] + [0.0, 20.3, 0.0]),
+        "no direction": replace(whole, directions=np.zeros_like(whole.directions)),
     }
     for name, camera in empty.items():
         for specification in ("", "edges=straight", "antialias=4"):

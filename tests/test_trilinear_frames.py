@@ -24,6 +24,9 @@ from anamorph.scene.camera import Camera
 from anamorph.scene.model import Diffuse, Mesh, Mirror, Scene, Sky
 
 PICTURE = (240, 240)
+TRUTH, ONCE = "raytrace:truth=raymesh,bounces=1", "trilinear"
+"""Both end where a second mirror follows."""
+
 LEFT = Camera(position=(-3.0, 1.0, 0.6), target=(0.0, 0.0, 0.0), field_of_view=40.0)
 RIGHT = Camera(position=(0.3, 1.0, 3.2), target=(0.0, 0.0, 0.0), field_of_view=40.0)
 
@@ -71,15 +74,16 @@ def assert_same_geometry(truth: Frame, frame: Frame) -> None:
     Where a picture shows the sky by parallel rays, a pixel is no measure of it.
     """
     errors = measure(truth, frame)
-    # A second mirror ends what is compared here.
-    count = errors.maps.specular & ~errors.maps.silhouette & (truth.status != Status.OUTSIDE)
+    ends = truth.status == Status.OUTSIDE
+    assert ((frame.status == Status.OUTSIDE) == ends)[~silhouettes(ends, truth.object_id)].all()
+    count = errors.maps.specular & ~errors.maps.silhouette & ~ends
     assert count.sum() > 1000
     assert not (errors.maps.other_object & count).any()
     wrong = np.minimum(errors.maps.pixels, errors.maps.angular)[count]
     # A few pixels stand where rays cross, which no float32 resolves.
     assert np.percentile(wrong, 99.9) <= 0.01 and wrong.max() <= 1.0
     assert np.percentile(np.where(truth.object_id > 0, errors.maps.pixels, 0.0)[count], 95) <= 0.01
-    differ = (truth.object_id != frame.object_id) & (truth.status != Status.OUTSIDE)
+    differ = (truth.object_id != frame.object_id) & ~ends
     assert differ.sum() <= 0.01 * errors.maps.specular.sum()
 
 
@@ -98,7 +102,7 @@ def test_a_bare_ray_mesh_shows_what_its_rays_see(name):
 def test_mirrors_show_what_the_rays_of_their_ray_mesh_see(name):
     maker, size, flip = MIRRORS[name]
     scene = maker()
-    truth, frame = (drawn(scene, method, size) for method in ("raytrace:truth=raymesh,bounces=1", "trilinear"))
+    truth, frame = (drawn(scene, method, size) for method in (TRUTH, ONCE))
     assert_same_geometry(truth, frame)
     assert (truth.specular != frame.specular).sum() <= 5
     once = (truth.status != Status.OUTSIDE) & ~silhouettes(truth.object_id, truth.specular)
@@ -152,10 +156,22 @@ AROUND = {
 def test_mirrors_may_reach_behind_the_eye_or_be_hollow(name):
     mirror, camera = AROUND[name]
     scene = scene_with(mirror, camera=camera)
-    truth, frame = (drawn(scene, method) for method in ("raytrace:truth=raymesh,bounces=1", "trilinear"))
+    truth, frame = (drawn(scene, method) for method in (TRUTH, ONCE))
     assert_same_geometry(truth, frame)
     assert (truth.specular != frame.specular).sum() <= 5
     assert measure(truth, frame).flip <= 0.01 or (truth.status == Status.OUTSIDE).any()
+
+
+def test_a_body_does_not_show_its_own_back():
+    """Near its silhouette a coarse ball with smooth normals sends rays through itself: as if it were not there."""
+    ball = trimesh.creation.icosphere(subdivisions=1)
+    positions = (0.3 * ball.vertices + [0.0, 0.5, 0.0]).astype(np.float32)
+    mirror = Mesh("mirror", positions, ball.faces.astype(np.int32), ball.vertices.astype(np.float32), Mirror())
+    truth, frame = (drawn(scene_with(mirror), method) for method in (TRUTH, ONCE))
+    backs = (truth.object_id == 1) & (truth.specular == 1) & (truth.status == Status.TRACED)
+    assert backs.sum() > 100
+    assert not ((frame.object_id == 1) & (frame.specular == 1) & (frame.status == Status.PROJECTED)).any()
+    assert (frame.object_id == truth.object_id)[~silhouettes(backs, truth.object_id, truth.specular)].mean() > 0.95
 
 
 @pytest.mark.parametrize("shift", [(0.31, -0.47), (-0.45, 0.4)])
@@ -195,6 +211,25 @@ def test_the_same_view_gives_the_same_frame():
     one, other = (drawn(scene, "trilinear") for _ in range(2))
     for name in ("color", "position", "object_id", "status", "specular"):
         assert (getattr(one, name) == getattr(other, name)).all()
+
+
+@pytest.mark.parametrize("border", [120.49, 120.51])
+def test_a_pixel_at_a_border_shows_what_its_own_rays_see(border):
+    """Two ray meshes that have nothing in common meet close to a column of pixels' centres."""
+    left, right = (cameras.pinhole(camera, PICTURE) for camera in (LEFT, RIGHT))
+    places = left.picture.copy(), right.picture.copy()
+    places[0][places[0][:, 0] > 0.0, 0] = border
+    places[1][places[1][:, 0] == 0.0, 0] = border
+    both = RayMesh(
+        np.concatenate(places),
+        *(np.concatenate([getattr(left, name), getattr(right, name)]) for name in ("origins", "directions")),
+        np.concatenate([left.faces, right.faces + len(left.picture)]),
+        np.concatenate([left.status, right.status]),
+    )
+    truth, frame = (shown(cube_scene(), both, method, PICTURE) for method in ("raytrace", "trilinear"))
+    assert np.ptp(truth.position[:, 119:122], axis=1).max(axis=1).mean() > 0.1
+    assert (frame.object_id[:, 119:122] == truth.object_id[:, 119:122]).all()
+    assert np.abs(frame.position - truth.position)[:, 119:122].max() <= 1e-4
 
 
 def shell(radius: float, random: np.random.Generator) -> Scene:

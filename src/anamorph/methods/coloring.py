@@ -75,7 +75,7 @@ class Coloring:
         self._throughput = make_target(size, (COLOR_FORMAT,), depth=depth) if goes_on else None
         given = None if before is None or before._throughput is None else before._throughput.textures[0].create_view()
         self._group = bind_views(visibility.views, visibility.fine, given)
-        names = ("gpu/vertices", "methods/visibility", "methods/trilinear", "methods/edges")
+        names = ("gpu/vertices", "methods/visibility", "methods/sighting", "methods/trilinear", "methods/edges")
         module = shader_module(*(f"{name}.wgsl" for name in names))
         constants = {
             "MEETS_SPECULAR": int(kind.meets_specular),

@@ -72,6 +72,40 @@ def add_incident(
     records["incident_one"][beams.number] = looks.base - looks.right + looks.up + middle
 
 
+def following_records(
+    records: np.ndarray,
+    beams: Beams,
+    before: Beams,
+    plan: Plan,
+    sources: np.ndarray,
+    pairs: np.ndarray,
+    chosen: np.ndarray,
+) -> np.ndarray:
+    """Ray triangles that follow the `chosen` pairs of a plan: what they follow, and how light came to them.
+
+    Parameters
+    ----------
+    records : (S,) of `RAY_TRIANGLE`
+        Theirs, changed and returned.
+    beams : Beams
+        Theirs.
+    before, plan, sources, pairs
+        The beams, plan, ray triangles and pairs that they follow.
+    chosen : (S,) int array
+        Rows of the plan.
+    """
+    ray_triangle = plan.pair[chosen, 0]
+    source = sources[before.number[ray_triangle]]
+    records["before"], records["through"] = source["number"], pairs["seen"][chosen]
+    records["first"] = np.where(source["first"] > 0, source["first"], records["object"])
+    shown = beams.number
+    incoming = before.direction[ray_triangle[shown]]
+    moved = beams.center - before.center[ray_triangle[shown]]
+    records["incident_x"][shown], records["incident_y"][shown] = incoming[:, :, 0], incoming[:, :, 1]
+    records["incident_one"][shown] = incoming[:, :, 2] + np.einsum("kij,kj->ki", incoming[:, :, :2], moved)
+    return records
+
+
 def pair_records(beams: Beams, plan: Plan, fronts: np.ndarray) -> np.ndarray:
     """The pairs, (P,) of `PAIR`; `fronts` (F,) says which scene triangles have a specular front."""
     ray_triangle, face, side = plan.pair.T

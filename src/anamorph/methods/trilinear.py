@@ -24,27 +24,20 @@ from anamorph.gpu.drawing import make_pipeline, shader_module
 from anamorph.gpu.targets import COLOR_FORMAT, Target, make_target
 from anamorph.methods.coloring import Coloring, Kind
 from anamorph.methods.protocol import Method, Session
-from anamorph.methods.ray_records import (
-    add_incident,
-    pair_records,
-    piece_records,
-    straight_records,
-    triangle_records,
-)
-from anamorph.methods.ray_sources import Rays, Sources, bare_rays
+from anamorph.methods.ray_layer import Layer, Sight, Straight, World
+from anamorph.methods.ray_records import add_incident, triangle_records
+from anamorph.methods.ray_sources import Sources, bare_rays
 from anamorph.methods.session import DrawingSession, Stage
 from anamorph.methods.visibility import Visibility, data_layout
 from anamorph.raymesh import RayMesh
 from anamorph.scene.camera import Camera
 from anamorph.scene.geometry import Geometry
-from anamorph.trilinear.beams import Beams, make_beams
-from anamorph.trilinear.pairs import Own, Triangles
-from anamorph.trilinear.plan import Plan, Planner
-from anamorph.trilinear.straight import straight_pieces
 from anamorph.trilinear.tree import make_tree, moved_tree
 
 LINES = wgpu.ColorWrite.ALL, wgpu.ColorWrite.RED, wgpu.ColorWrite.BLUE
 """What is drawn of the light of each line: green's everywhere, then red and blue over it."""
+
+MOST_BOUNCES = 8
 
 NEAR = 1e-6
 """What is nearer than this to where its ray starts is that itself, as a share of the scene's coordinates."""
@@ -65,8 +58,11 @@ class Options:
     clip : str
         With straight edges, where shapes are cut at the sides of a ray triangle: "scene", so that those of neighbours
         meet (5.2), or "screen" (5.1).
+    bounces : int
+        How many mirrors a path may meet; with straight edges one. Where a lens is met after a mirror, or one mirror too
+        many, the path goes on as if nothing followed.
     antialias : int
-        Samples a pixel: 1 or 4. Each scene triangle is coloured once a pixel.
+        Samples a pixel: 1 or 4. Each scene triangle is coloured once a pixel. What mirrors show in mirrors keeps one.
     dispersion : bool
         Whether red and blue light goes its own way through glass that has an Abbe number.
     """
@@ -75,15 +71,9 @@ class Options:
     tessellate: int = 1
     slices: int = 0
     clip: str = "scene"
+    bounces: int = 2
     antialias: int = 1
     dispersion: bool = True
-
-
-class _Line:
-    """Light of one line of the spectrum: its rays and what becomes of them."""
-
-    def __init__(self, visibility: Visibility, coloring: Coloring) -> None:
-        self.visibility, self.coloring = visibility, coloring
 
 
 class TrilinearDrawing:
@@ -95,10 +85,13 @@ class TrilinearDrawing:
         self._bare = not stage.pinhole
         self._sources = Sources(scene, geometry)
         self.replaced = () if self._bare else self._sources.meshes
-        self._corners = np.asarray(geometry.positions, float)[geometry.faces]
-        self._tree = make_tree(self._corners)
-        self._planner = Planner()
-        self._plan: Plan | None = None
+        corners = np.asarray(geometry.positions, float)[geometry.faces]
+        mirror = np.isin(geometry.face_object, np.array(stage.buffers.mirrors) + 1)
+        self._world = World(
+            make_tree(corners), corners, self._sources.normals, self._sources.group,
+            geometry.face_object.astype(np.int32), mirror, NEAR * float(np.abs(corners).max(initial=0.0)),
+        )  # fmt: skip
+        self._sights: list[Sight] = []
         self._colors = make_target(size, (COLOR_FORMAT,))
         lenses = self._sources.lenses.astype(np.float32)
         self._lenses = storage_buffer(lenses if len(lenses) else np.zeros((1, 2, 4), np.float32))
@@ -117,63 +110,60 @@ class TrilinearDrawing:
             cull="none" if self._bare else "back",
         )
 
-    def _line(self, mask: int) -> _Line:
+    def _line(self, mask: int) -> list[Layer]:
+        """The layers of light that is written with a mask."""
         stage, options = self._stage, self._options
-        straight, fine = options.edges == "straight", options.antialias > 1
-        kind = Kind(
-            self._bare, bool(len(self._sources.lenses)) and not self._bare, bool(self._sources.group.any()), straight
-        )
-        visibility = Visibility(stage.buffers, self._lenses, stage.view.size, self._bare, fine, straight)
-        return _Line(visibility, Coloring(stage.buffers, visibility, self._colors, kind, mask))
+        straight = None
+        if options.edges == "straight":
+            straight = Straight(options.tessellate, options.slices, options.clip == "scene")
+        mirrors = bool(self._world.mirror.any())
+        # Bare rays meet their first mirror one layer later.
+        depths = (options.bounces + self._bare if mirrors else 1) if straight is None else 1
+        layers: list[Layer] = []
+        for depth in range(depths):
+            before = layers[-1] if layers else None
+            bare, fine = self._bare or depth > 0, options.antialias > 1 and depth == 0
+            kind = Kind(
+                bare, not bare and len(self._sources.lenses) > 0, bool(self._world.group.any()), straight is not None
+            )
+            visibility = Visibility(
+                stage.buffers, self._lenses, stage.view.size, bare, fine, straight is not None,
+                None if before is None else before.visibility,
+            )  # fmt: skip
+            coloring = Coloring(
+                stage.buffers, visibility, self._colors, kind, mask,
+                None if before is None else before.coloring, depth + 1 < depths,
+            )  # fmt: skip
+            layers.append(Layer(visibility, coloring, stage.view.size, straight))
+        return layers
 
     def deformed(self, geometry: Geometry) -> None:
         """Refit the tree."""
-        self._corners = np.asarray(geometry.positions, float)[geometry.faces]
-        self._tree = moved_tree(self._tree, self._corners)
+        corners = np.asarray(geometry.positions, float)[geometry.faces]
+        self._world = replace(self._world, corners=corners, tree=moved_tree(self._world.tree, corners))
 
     def prepare(self, encoder: wgpu.GPUCommandEncoder, camera: Camera | RayMesh, shift: tuple[float, float]) -> None:
         """Plan what each ray triangle sees, find it for each pixel, and colour it."""
+        size, projection = self._stage.view.size, self._stage.projection
         if isinstance(camera, RayMesh):
             lines = [bare_rays(camera)]
         else:
-            lines = self._sources.rays(camera, self._stage.view.size, self._options.dispersion)
-        for number, (unmoved, line) in enumerate(zip(lines, self._lines, strict=False)):
+            lines = self._sources.rays(camera, size, self._options.dispersion)
+        for number, (unmoved, layers) in enumerate(zip(lines, self._lines, strict=False)):
             rays = replace(unmoved, picture=unmoved.picture - unmoved.picture[..., 2:] * [*shift, 0.0])
-            beams = self._beams(rays)
-            plan = self._planned(rays, beams)
+            beams = layers[0].beams(rays, self._world)
             records = triangle_records(rays, beams)
             if isinstance(camera, Camera):
-                add_incident(records, beams, camera, self._stage.view.size, shift)
-            pairs = pair_records(beams, plan, self._sources.group > 0)
-            line.visibility.write(records, pairs, self._pieces(rays, beams, plan))
-            line.visibility.draw(encoder, self._stage.projection)
-            line.coloring.draw(encoder, self._stage.projection, clear=number == 0)
-            self._plan = plan if number == 0 else self._plan
-
-    def _beams(self, rays: Rays) -> Beams:
-        chosen = np.flatnonzero(rays.exists)
-        picture, origins, directions = (each[chosen] for each in (rays.picture, rays.origins, rays.directions))
-        near = NEAR * float(np.abs(self._corners).max(initial=0.0))
-        beams = make_beams(picture, origins, directions, self._stage.view.size, near)
-        return beams._replace(number=chosen[beams.number].astype(np.int32))
-
-    def _planned(self, rays: Rays, beams: Beams) -> Plan:
-        shown = beams.number
-        own = Own(rays.face[shown], rays.group[shown], rays.sees[shown])
-        tree = self._tree
-        triangles = Triangles(tree.faces, tree.low, tree.high, tree.corners, self._sources.group)
-        return self._planner.plan(beams, triangles, own)
-
-    def _pieces(self, rays: Rays, beams: Beams, plan: Plan) -> np.ndarray:
-        options = self._options
-        if options.edges == "exact":
-            return piece_records(plan)
-        pairs = np.column_stack([beams.number[plan.pair[:, 0]], plan.pair[:, 1]]).astype(np.int32)
-        pieces = straight_pieces(
-            rays.picture, rays.origins, rays.directions, self._corners, pairs,
-            slices=options.slices, tessellate=options.tessellate, scene_clip=options.clip == "scene",
-        )  # fmt: skip
-        return straight_records(pieces)
+                add_incident(records, beams, camera, size, shift)
+            sights = [layers[0].first(rays, beams, records, self._world)]
+            layers[0].draw(encoder, projection, clear=number == 0)
+            for layer in layers[1:]:
+                sight = layer.follow(sights[-1], self._world)
+                if sight is None:
+                    break
+                layer.draw(encoder, projection, clear=False)
+                sights.append(sight)
+            self._sights = sights if number == 0 else self._sights
 
     def complete(self, target: Target, camera: Camera | RayMesh, shift: tuple[float, float]) -> None:
         """There is nothing to mend."""
@@ -183,7 +173,7 @@ class TrilinearDrawing:
 
     def draw_color(self, render_pass: wgpu.GPURenderPassEncoder) -> None:
         """What the rays see, where it belongs in the picture."""
-        first = self._lines[0].visibility
+        first = self._lines[0][0].visibility
         render_pass.set_pipeline(self._composed)
         first.bind(render_pass)
         render_pass.set_bind_group(3, self._whole)
@@ -191,11 +181,13 @@ class TrilinearDrawing:
 
     def draw_seen(self, render_pass: wgpu.GPURenderPassEncoder) -> None:
         """The seen buffers, by the d line."""
-        self._lines[0].coloring.draw_seen(render_pass)
+        for layer, _ in zip(self._lines[0], self._sights, strict=False):
+            layer.coloring.draw_seen(render_pass)
 
     def figures(self) -> dict[str, float]:
         """How many pairs of ray triangle and scene triangle the last frame took, and in how many pieces."""
-        return {} if self._plan is None else {"pairs": len(self._plan.pair), "pieces": len(self._plan.owner)}
+        plans = [sight.plan for sight in self._sights]
+        return {"pairs": sum(len(plan.pair) for plan in plans), "pieces": sum(len(plan.owner) for plan in plans)}
 
     def rays(self) -> None:
         """Pixels' rays are on the device alone."""
@@ -213,6 +205,8 @@ def open_session(view: View, options: Options) -> Session:
     for name, least, most in (("tessellate", 1, 64), ("slices", 0, 256)):
         if not least <= getattr(options, name) <= most:
             raise AnamorphError(f"trilinear: {name} is {getattr(options, name)}; give a number from {least} to {most}")
+    if not 1 <= options.bounces <= MOST_BOUNCES:
+        raise AnamorphError(f"trilinear: bounces is {options.bounces}; give a number from 1 to {MOST_BOUNCES}")
     if options.edges == "exact":
         for name in ("tessellate", "slices", "clip"):
             if getattr(options, name) != getattr(Options, name):

@@ -137,7 +137,8 @@ class Visibility:
         self._rooms: list[wgpu.GPUBuffer | None] = [None, None, None]
         self._data: wgpu.GPUBindGroup | None = None
         self._corners, self._count = 0, 0
-        module = shader_module("gpu/vertices.wgsl", "methods/visibility.wgsl")
+        names = ("gpu/vertices", "methods/visibility", *(("methods/straight",) if straight else ()))
+        module = shader_module(*(f"{name}.wgsl" for name in names))
 
         def pipeline(vertex: str, fragment: str, target: Target, **settings: Any) -> wgpu.GPURenderPipeline:
             formats = tuple(each.format for each in target.textures)

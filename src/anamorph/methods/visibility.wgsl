@@ -37,13 +37,6 @@ struct Piece {
     pair: u32,
 }
 
-// A corner of a piece with straight edges: its place in pixels, the weights of the scene triangle's second and third
-// corner, and t.
-struct StraightCorner {
-    x: f32, y: f32, second: f32, third: f32, t: f32,
-    pair: u32,
-}
-
 // A ray triangle. Origin, direction, share and the scale that they have in common are linear in the place.
 struct RayTriangle {
     // Its picture's homogeneous corners in pixels, where it is not drawn as the surface that it is on.
@@ -92,8 +85,6 @@ struct RayTriangle {
 @group(2) @binding(2) var<storage, read> ray_triangles: array<RayTriangle>;
 @group(2) @binding(3) var<storage, read> pairs: array<Pair>;
 @group(2) @binding(4) var<storage, read> pieces: array<Piece>;
-// Three to a piece. It stands in for the pieces.
-@group(2) @binding(4) var<storage, read> straight_corners: array<StraightCorner>;
 // A lens, from the side by which rays enter.
 struct Lens {
     // The middle of the edge of its far face, and the edge's object number; 0 for none.
@@ -238,37 +229,4 @@ fn visible(fragment: PieceFragment) -> Visible {
     }
     // 1 where the rays start and 0 at infinity.
     return Visible(fragment.numbers.y, across / (across + ahead));
-}
-
-struct StraightFragment {
-    @builtin(position) pixel: vec4f,
-    // Weights, and t.
-    @location(0) place: vec3f,
-    @location(1) @interpolate(flat) numbers: vec2u,
-}
-
-@vertex
-fn straight_vertex(@builtin(vertex_index) index: u32) -> StraightFragment {
-    let corner = straight_corners[index];
-    let pair = pairs[corner.pair];
-    let clip = picture_clip(vec3f(corner.x, corner.y, 1.0));
-    return StraightFragment(clip, vec3f(corner.second, corner.third, corner.t), vec2u(pair.ray_triangle, pair.seen));
-}
-
-struct StraightVisible {
-    @location(0) seen: u32,
-    @location(1) weights: vec2f,
-    @builtin(frag_depth) depth: f32,
-}
-
-// The thesis's way: what lies between projected corners is interpolated.
-@fragment
-fn straight_visible(fragment: StraightFragment) -> StraightVisible {
-    let own = textureLoad(owners, vec2u(fragment.pixel.xy), 0).x == fragment.numbers.x;
-    // Software interpolates over a sliver what is no number.
-    let defined = all(abs(fragment.place.xy) <= vec2f(2.0)) && fragment.place.z >= 0.0;
-    if !own || !defined {
-        discard;
-    }
-    return StraightVisible(fragment.numbers.y, fragment.place.xy, 1.0 / (1.0 + fragment.place.z));
 }

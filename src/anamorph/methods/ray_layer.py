@@ -1,0 +1,171 @@
+"""One layer of a picture: the rays that leave the specular surfaces first met, or those that go on from a second one.
+
+Each layer plans what its rays see, finds it for each pixel, and colours it over the layer before. The first one's rays
+come from ray_sources.py; those of the next follow from what it sees of mirrors.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import wgpu
+
+from anamorph.gpu.drawing import ProjectionUniform
+from anamorph.methods.coloring import Coloring
+from anamorph.methods.ray_records import (
+    following_records,
+    pair_records,
+    piece_records,
+    straight_records,
+    triangle_records,
+)
+from anamorph.methods.ray_sources import Rays
+from anamorph.methods.visibility import Visibility
+from anamorph.trilinear.beams import Beams, make_beams
+from anamorph.trilinear.following import following_rays
+from anamorph.trilinear.pairs import FRONTS, Own, Triangles
+from anamorph.trilinear.plan import Plan, Planner
+from anamorph.trilinear.straight import straight_pieces
+from anamorph.trilinear.tree import Tree
+
+
+@dataclass(frozen=True, eq=False)
+class World:
+    """The scene's triangles, F of them.
+
+    Parameters
+    ----------
+    tree : Tree
+    corners, normals : (F, 3, 3) float64
+    group : (F,) int32
+        See `Sources`.
+    object : (F,) int32
+        The object number of each.
+    mirror : (F,) bool
+    near : float
+        What is nearer than this to where its ray starts is that itself, metres.
+    """
+
+    tree: Tree
+    corners: np.ndarray
+    normals: np.ndarray
+    group: np.ndarray
+    object: np.ndarray
+    mirror: np.ndarray
+    near: float
+
+
+@dataclass(frozen=True, eq=False)
+class Sight:
+    """What a layer has seen in a frame, from which the next follows.
+
+    Parameters
+    ----------
+    beams : Beams
+    plan : Plan
+    records : (K,) of `RAY_TRIANGLE`
+        By the beams' numbers.
+    pairs : (P,) of `PAIR`
+    """
+
+    beams: Beams
+    plan: Plan
+    records: np.ndarray
+    pairs: np.ndarray
+
+
+@dataclass(frozen=True)
+class Straight:
+    """How straight edges are drawn: see the method's options."""
+
+    tessellate: int
+    slices: int
+    scene_clip: bool
+
+
+class Layer:
+    """One layer of light of one line of the spectrum."""
+
+    def __init__(
+        self, visibility: Visibility, coloring: Coloring, size: tuple[int, int], straight: Straight | None = None
+    ) -> None:
+        self.visibility, self.coloring = visibility, coloring
+        self._size, self._straight = size, straight
+        self._planner = Planner()
+
+    def beams(self, rays: Rays, world: World) -> Beams:
+        """The rays that exist, as functions of the picture."""
+        chosen = np.flatnonzero(rays.exists)
+        picture, origins, directions = (each[chosen] for each in (rays.picture, rays.origins, rays.directions))
+        beams = make_beams(picture, origins, directions, self._size, world.near)
+        return beams._replace(number=chosen[beams.number].astype(np.int32))
+
+    def plan(self, rays: Rays, beams: Beams, world: World) -> Plan:
+        """What the rays see."""
+        shown, tree = beams.number, world.tree
+        own = Own(rays.face[shown], rays.group[shown], rays.sees[shown])
+        triangles = Triangles(tree.faces, tree.low, tree.high, tree.corners, world.group)
+        return self._planner.plan(beams, triangles, own)
+
+    def first(self, rays: Rays, beams: Beams, records: np.ndarray, world: World) -> Sight:
+        """Take over the rays that leave the surfaces first met; `records` are those of `triangle_records`."""
+        plan = self.plan(rays, beams, world)
+        pairs = pair_records(beams, plan, world.group > 0)
+        self.visibility.write(records, pairs, self._pieces(rays, beams, plan, world))
+        return Sight(beams, plan, records, pairs)
+
+    def _pieces(self, rays: Rays, beams: Beams, plan: Plan, world: World) -> np.ndarray:
+        if self._straight is None:
+            return piece_records(plan)
+        pairs = np.column_stack([beams.number[plan.pair[:, 0]], plan.pair[:, 1]]).astype(np.int32)
+        pieces = straight_pieces(
+            rays.picture, rays.origins, rays.directions, world.corners, pairs,
+            tessellate=self._straight.tessellate, slices=self._straight.slices, scene_clip=self._straight.scene_clip,
+        )  # fmt: skip
+        return straight_records(pieces)
+
+    def follow(self, before: Sight, world: World) -> Sight | None:
+        """Take over the rays that mirrors send on which the layer before sees; None where it sees none."""
+        pair = before.plan.pair
+        chosen = np.flatnonzero((pair[:, 2] == 1) & world.mirror[pair[:, 1]])
+        if not len(chosen):
+            return None
+        sent = following_rays(before.beams, before.plan, chosen, world.corners, world.normals)
+        beams = make_beams(sent.picture, sent.origins, sent.directions, self._size, world.near, sent.domain)
+        if not len(beams.number):
+            return None
+        face = pair[chosen, 1]
+        count = len(chosen)
+        nothing = np.zeros(count, np.int32)
+        rays = Rays(
+            sent.picture, sent.origins, sent.directions, np.ones((count, 3)),
+            np.ones(count, bool), np.zeros(count, bool),
+            face, world.object[face], world.group[face], np.full(count, FRONTS, np.int32), nothing,
+        )  # fmt: skip
+        plan = self.plan(rays, beams, world)
+        records = following_records(
+            triangle_records(rays, beams), beams, before.beams, before.plan, before.records, before.pairs, chosen
+        )
+        pairs = pair_records(beams, plan, world.group > 0)
+        drawn = piece_corners(records, before.beams, before.plan, chosen)
+        self.visibility.write(drawn, pairs, piece_records(plan))
+        return Sight(beams, plan, records, pairs)
+
+    def draw(self, encoder: wgpu.GPUCommandEncoder, projection: ProjectionUniform, clear: bool) -> None:
+        """Find what is seen, and colour it."""
+        self.visibility.draw(encoder, projection)
+        self.coloring.draw(encoder, projection, clear)
+
+
+def piece_corners(records: np.ndarray, beams: Beams, plan: Plan, chosen: np.ndarray) -> np.ndarray:
+    """Following ray triangles, once for each piece of their pairs, which is where they are drawn; (T,)."""
+    row = np.full(len(plan.pair), -1)
+    row[chosen] = np.arange(len(chosen))
+    pieces = np.flatnonzero(row[plan.owner] >= 0)
+    pair = plan.owner[pieces]
+    drawn = records[row[pair]]
+    place = plan.place[pieces] + beams.center[plan.pair[pair, 0]][:, None]
+    for corner in range(3):
+        drawn[f"corner_{corner}"][:, :2], drawn[f"corner_{corner}"][:, 2] = place[:, corner], 1.0
+    return drawn[drawn["number"] > 0]

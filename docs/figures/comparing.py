@@ -76,8 +76,10 @@ def told(truth: an.Frame, errors: Errors) -> str:
 
 
 def number(value: float | None) -> str:
-    """A number of the table: three digits, and nothing where there is none."""
-    return "" if value is None else "0" if value == 0.0 else f"{value:.0f}" if value >= 100.0 else f"{value:.2g}" if value >= 1e-4 else "< 0.0001"
+    """In two digits, or in whole ones; nothing where there is none."""
+    if value is None or value == 0.0:
+        return "" if value is None else "0"
+    return "< 0.0001" if value < 1e-4 else f"{value:.2g}" if value < 99.5 else f"{value:.0f}"
 
 
 def table_row(name: str, triangles: int, found: Compared) -> str:

@@ -80,12 +80,13 @@ def wavy() -> Drawn:
     original = an.render(scene, method="raytrace:bounces=1", size=SQUARE, seen=True)
     found = compared(scene, None, SQUARE, original)
     assert found.original
-    far = f"from (a): {told(original, found.original)}\nsame rays: {told(found.traced, found.errors)}"
+    near = told(found.traced, found.errors).replace(", ", ",\n")
+    same = f"along the mesh's own rays, traced;\n(b) from this: {near}"
     return [
         [
             Panel(shrunk(pixels(original), THIRD), "(a): rays bent at every pixel"),
-            Panel(shrunk(pixels(found.traced), THIRD), "traced along the mesh's own rays"),
-            Panel(shrunk(pixels(found.exact), THIRD), f"(b): projected\n{far}"),
+            Panel(shrunk(pixels(found.traced), THIRD), same),
+            Panel(shrunk(pixels(found.exact), THIRD), f"(b): projected\nfrom (a): {told(original, found.original)}"),
         ]
     ], [table_row("7.5 (b)", 50, found)]
 

@@ -29,7 +29,7 @@ BELOW: dict[str, set[str]] = {
     "gpu": {"scene", "frame", "projection"},
     "trilinear": {"scene", "raymesh", "projection", "gpu"},
     "methods": {"scene", "raymesh", "rays", "optics", "frame", "projection", "gpu", "cameras", "trilinear"},
-    "measure": {"scene", "optics", "frame", "gpu", "methods"},
+    "measure": {"scene", "raymesh", "optics", "frame", "gpu", "cameras", "methods"},
     "viewer": {"scene", "raymesh", "rays", "optics", "frame", "projection", "gpu", "cameras", "methods", "measure"},
 }
 """What each room may import, besides itself and the foundations."""

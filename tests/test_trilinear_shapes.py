@@ -12,11 +12,12 @@ from hypothesis import Phase, example, given, settings
 from hypothesis import strategies as st
 
 from anamorph.errors import AnamorphError
+from anamorph.measure.thesis import printed
 from anamorph.trilinear import project_points, project_triangle
 from anamorph.trilinear.connect import connect
 from anamorph.trilinear.shapes import _crossing
 
-EXAMPLES = Path(__file__).parent / "data" / "c-configurations.csv"
+EXAMPLES = Path(printed.__file__).parent / "assets" / "c-configurations.csv"
 """Vallance 2005, tables C.1 and C.2: scene and view triangles of figures 4.1 to 4.7, by their printed labels."""
 
 # The row printed 9 holds the numbers of the (2, 3) example: its cubics have five real roots.

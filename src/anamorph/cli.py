@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, NoReturn
 
 from anamorph.errors import AnamorphError
-from anamorph.output import PICTURES, check_output, save_array, save_text
+from anamorph.output import PICTURES, check_directory, check_output, save_array, save_text
 from anamorph.progress import progress_bar
 from anamorph.quiet import hush
 from anamorph.versions import versions
@@ -38,6 +38,7 @@ EXAMPLES = """examples:
   anamorph render mirror.step --scene car-mirror --faces 1 -o mirror.png
   anamorph compare car-mirror -m pervertex -m environment --html report.html --json report.json
   anamorph bench deforming
+  anamorph bench trilinear --output times
   anamorph demo
 """
 
@@ -155,7 +156,7 @@ def _compare(arguments: argparse.Namespace) -> None:
     print_table(comparison_table(comparison))
 
 
-def _bench(arguments: argparse.Namespace) -> None:
+def _bench_deforming(arguments: argparse.Namespace) -> None:
     from anamorph.measure.deforming import DEFAULT, deforming_table, time_deforming
     from anamorph.measure.table import print_table
     from anamorph.methods import parse
@@ -163,7 +164,7 @@ def _bench(arguments: argparse.Namespace) -> None:
 
     for spec in arguments.method or ():
         parse(spec)
-    what = f"timing {arguments.benchmark}"
+    what = "timing deforming"
     with progress_bar(what) as tell:
         times = time_deforming(
             arguments.method or DEFAULT,
@@ -172,6 +173,26 @@ def _bench(arguments: argparse.Namespace) -> None:
             lambda done, total: tell(done, total, what),
         )
     print_table(deforming_table(times))
+
+
+def _bench_trilinear(arguments: argparse.Namespace) -> None:
+    from anamorph.measure.table import print_table
+    from anamorph.measure.thesis.benchmark import FULL, PARTS, QUICK, measure_thesis, write_results
+    from anamorph.measure.thesis.plots import INSTALL, can_plot
+    from anamorph.measure.thesis.summary import exact_over_straight, summary_tables
+
+    check_directory(arguments.output)
+    with progress_bar("timing trilinear projection") as tell:
+        extent = QUICK if arguments.quick else FULL
+        results = measure_thesis(arguments.method, extent, arguments.part or PARTS, tell)
+    written = write_results(results, arguments.output)
+    for table in summary_tables(results):
+        print_table(table)
+    if said := exact_over_straight(results):
+        print(said)
+    print(f"{len(written)} files are in {arguments.output}")
+    if not can_plot():
+        print(f"anamorph: note: no plots without matplotlib; pip install '{INSTALL}'", file=sys.stderr)
 
 
 def _scenes(arguments: argparse.Namespace) -> None:
@@ -348,11 +369,26 @@ def _parser() -> argparse.ArgumentParser:
     compare.add_argument("--json", metavar="FILE", type=Path, help="write the figures as JSON")
     compare.add_argument("--html", metavar="FILE", type=Path, help="write one page with pictures, errors and figures")
 
-    bench = command("bench", _bench, "time methods against the ray tracer while a whole scene deforms")
-    bench.add_argument("benchmark", choices=("deforming",), help="the scene, of 300,000 triangles that all move")
-    bench.add_argument("-m", "--method", metavar="METHOD", action="append", help=f"{method}; may be repeated")
-    bench.add_argument("--size", metavar="WxH", type=_size, help=size)
-    bench.add_argument("--frames", metavar="N", type=_frames, default=30, help="how many frames are timed (30)")
+    bench = commands.add_parser("bench", help="time methods against the ray tracer", allow_abbrev=False)
+    benchmarks = bench.add_subparsers(metavar="BENCHMARK", required=True, dest="benchmark")
+
+    def benchmark(name: str, run: object, help: str) -> argparse.ArgumentParser:
+        added = benchmarks.add_parser(name, help=help, description=help, allow_abbrev=False)
+        added.set_defaults(run=run)
+        added.add_argument("-m", "--method", metavar="METHOD", action="append", help=f"{method}; may be repeated")
+        return added
+
+    deforming = benchmark("deforming", _bench_deforming, "time methods while a scene of 300,000 triangles deforms")
+    deforming.add_argument("--size", metavar="WxH", type=_size, help=size)
+    deforming.add_argument("--frames", metavar="N", type=_frames, default=30, help="how many frames are timed (30)")
+    trilinear = benchmark("trilinear", _bench_trilinear, "make the measurements of Vallance's thesis again")
+    trilinear.add_argument(
+        "--output", metavar="DIR", type=Path, default=Path("bench-output"), help="tables and plots (bench-output)"
+    )
+    trilinear.add_argument("--quick", action="store_true", help="small pictures and scenes: does it work?")
+    trilinear.add_argument(
+        "--part", metavar="PART", action="append", help="random, clipping, configurations, ...; may be repeated (all)"
+    )
 
     cad(render)
     cad(compare)

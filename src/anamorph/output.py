@@ -41,6 +41,16 @@ def check_output(path: str | Path, suffixes: tuple[str, ...] = ()) -> Path:
     return path
 
 
+def check_directory(path: Path) -> None:
+    """Refuse a directory that could neither be made nor written to, before any work is done for it."""
+    if not path.is_dir():
+        check_output(path)
+        if path.exists():
+            raise AnamorphError(f"{path}: is there already and is no directory; choose another name")
+    elif not os.access(path, os.W_OK):
+        raise AnamorphError(f"{path}: the directory cannot be written; choose another")
+
+
 @contextmanager
 def whole_file(path: str | Path) -> Iterator[BinaryIO]:
     """A binary file that takes its name only when the block ends well, and leaves nothing behind when it does not."""

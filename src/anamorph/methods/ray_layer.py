@@ -21,10 +21,11 @@ from anamorph.methods.ray_records import (
     triangle_records,
 )
 from anamorph.methods.ray_sources import Rays
-from anamorph.methods.visibility import Visibility
+from anamorph.methods.visibility import FINENESS, Visibility
 from anamorph.trilinear.beams import Beams, make_beams
 from anamorph.trilinear.following import following_rays
 from anamorph.trilinear.pairs import FRONTS, Own, Triangles
+from anamorph.trilinear.pixels import seen_pixels
 from anamorph.trilinear.plan import Plan, Planner
 from anamorph.trilinear.straight import straight_pieces
 from anamorph.trilinear.tree import Tree
@@ -92,13 +93,15 @@ class Layer:
     ) -> None:
         self.visibility, self.coloring = visibility, coloring
         self._size, self._straight = size, straight
+        # A straight edge may show what no ray sees.
+        self._spacing = 0.0 if straight is not None else 1.0 / FINENESS if visibility.fine is not None else 1.0
         self._planner = Planner()
 
     def beams(self, rays: Rays, world: World) -> Beams:
         """The rays that exist, as functions of the picture."""
         chosen = np.flatnonzero(rays.exists)
         picture, origins, directions = (each[chosen] for each in (rays.picture, rays.origins, rays.directions))
-        beams = make_beams(picture, origins, directions, self._size, world.near)
+        beams = make_beams(picture, origins, directions, self._size, world.near, self._spacing)
         return beams._replace(number=chosen[beams.number].astype(np.int32))
 
     def plan(self, rays: Rays, beams: Beams, world: World) -> Plan:
@@ -129,10 +132,16 @@ class Layer:
         """Take over the rays that mirrors send on which the layer before sees; None where it sees none."""
         pair = before.plan.pair
         chosen = np.flatnonzero((pair[:, 2] == 1) & world.mirror[pair[:, 1]])
+        box, pixels = seen_pixels(before.plan, chosen)
+        chosen, box = chosen[pixels > 0], box[pixels > 0]
         if not len(chosen):
             return None
         sent = following_rays(before.beams, before.plan, chosen, world.corners, world.normals)
-        beams = make_beams(sent.picture, sent.origins, sent.directions, self._size, world.near, sent.domain)
+        # The rectangle of the pixels that see the mirror: pieces may reach further.
+        center = before.beams.center[pair[chosen, 0]]
+        low, high = center + box[:, :2] - 0.5, center + box[:, 2:] + 0.5
+        domain = np.stack([low, np.stack([high[:, 0], low[:, 1]], -1), high, np.stack([low[:, 0], high[:, 1]], -1)], 1)
+        beams = make_beams(sent.picture, sent.origins, sent.directions, self._size, world.near, 1.0, domain)
         if not len(beams.number):
             return None
         face = pair[chosen, 1]

@@ -32,7 +32,7 @@ class Rays:
     share : (K, 3) float64
         What share of the light goes this way; 1 for mirrors, whose reflectance the pixels find for themselves.
     exists : (K,) bool
-        Whether there are rays at all.
+        Whether there are rays at all, and on a surface, whether the eye sees its front.
     total : (K,) bool
         Whether reflection in the glass is total.
     face : (K,) int32
@@ -74,6 +74,11 @@ def _corners(mesh: RayMesh) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
 
 def _any_direction(mesh: RayMesh) -> np.ndarray:
     return mesh.directions[mesh.faces].any(axis=(1, 2))
+
+
+def _faces_eye(mesh: RayMesh) -> np.ndarray:
+    """Whether triangles turn their front to the eye, (K,): clockwise in the picture, whose y points down."""
+    return np.linalg.det(mesh.picture[mesh.faces]) < 0.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -163,7 +168,7 @@ class Sources:
         share = np.ones((count, 3)) if mesh.share is None else mesh.share[mesh.faces]
         total = (mesh.status == RayStatus.TOTAL_REFLECTION)[mesh.faces].any(axis=1)
         return Rays(
-            *_corners(mesh), share, _any_direction(mesh), total,
+            *_corners(mesh), share, _any_direction(mesh) & _faces_eye(mesh), total,
             np.arange(first, last, dtype=np.int32),
             np.full(count, surface.meshes[side] + 1, np.int32),
             np.full(count, surface.group, np.int32),

@@ -145,6 +145,8 @@ class TrilinearDrawing:
     def prepare(self, encoder: wgpu.GPUCommandEncoder, camera: Camera | RayMesh, shift: tuple[float, float]) -> None:
         """Plan what each ray triangle sees, find it for each pixel, and colour it."""
         size, projection = self._stage.view.size, self._stage.projection
+        if not self._bare and not self._sources.meshes:
+            return
         if isinstance(camera, RayMesh):
             lines = [bare_rays(camera)]
         else:
@@ -173,6 +175,8 @@ class TrilinearDrawing:
 
     def draw_color(self, render_pass: wgpu.GPURenderPassEncoder) -> None:
         """What the rays see, where it belongs in the picture."""
+        if not self._sights:
+            return
         first = self._lines[0][0].visibility
         render_pass.set_pipeline(self._composed)
         first.bind(render_pass)

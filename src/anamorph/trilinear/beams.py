@@ -66,6 +66,9 @@ class Beams(NamedTuple):
     """(K, N, 3) float64: see `BoundingPlanes`."""
     distances: np.ndarray
     """(K, N) float64: relative to the world's origin, less their slack."""
+    spacing: float
+    """Pixels between samples, the first half of it from the picture's corner: nothing is planned that no sample sees.
+    0 plans everything."""
     near: np.ndarray
     """(K,) float64: the t from which on things are seen."""
 
@@ -76,6 +79,7 @@ def make_beams(
     directions: np.ndarray,
     size: tuple[int, int],
     near: float = 0.0,
+    spacing: float = 0.0,
     domain: np.ndarray | None = None,
 ) -> Beams:
     """The ray triangles that have a part in a picture.
@@ -90,6 +94,8 @@ def make_beams(
         Of the picture, pixels.
     near : float
         What is nearer than this, along its ray, is not seen; metres.
+    spacing : float
+        Pixels between samples; see `Beams`.
     domain : (K, C, 2) array, optional
         Corners of a convex part of the picture, pixels, in either order around it, that each ray triangle has in place
         of its own: its rays go on beyond its corners, as far as s is positive. One without an area is not shown.
@@ -153,6 +159,7 @@ def make_beams(
         corners=corners,
         normals=planes.normals,
         distances=planes.distances - slack,
+        spacing=spacing,
         near=near_t,
     )
 

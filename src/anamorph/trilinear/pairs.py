@@ -27,6 +27,7 @@ import numpy as np
 
 from anamorph.compiled import compiled, inlined
 from anamorph.trilinear.beams import PADDING, Beams
+from anamorph.trilinear.inside import is_inside, span
 from anamorph.trilinear.polygons import ROOM, area, box, cut
 from anamorph.trilinear.tree import LEAF
 
@@ -44,6 +45,9 @@ WORTH_CUTTING = 0.75
 
 BENT = 0.1
 """A polygon is parted where the bound on some edge's bend is more than this share of its box's extent."""
+
+FEW_SAMPLES = 32
+"""Of a polygon that are asked one by one whether they see anything."""
 
 ROUNDING = 8.0 * 2.0**-24
 """What float32 may lose of a quadratic's value, as a share of its terms: eight roundings."""
@@ -188,6 +192,25 @@ def _fit(terms: np.ndarray, polygon: np.ndarray, count: int, spare: np.ndarray) 
 
 
 @inlined
+def _holds_sample(terms: np.ndarray, polygon: np.ndarray, count: int, spacing: float) -> bool:
+    """Whether a sample of the polygon sees the scene triangle, as far as a few of them can tell."""
+    if spacing == 0.0:
+        return True
+    _, middle, _, half = box(polygon, count)
+    asked = 0
+    for row in range(int(np.ceil((middle - half) / spacing - 0.5)), int(np.floor((middle + half) / spacing - 0.5)) + 1):
+        y = (row + 0.5) * spacing
+        low, high = span(polygon, count, y)
+        if low > high:
+            continue
+        for column in range(int(np.ceil(low / spacing - 0.5)), int(np.floor(high / spacing - 0.5)) + 1):
+            asked += 1
+            if asked > FEW_SAMPLES or is_inside(terms, (column + 0.5) * spacing, y):
+                return True
+    return False
+
+
+@inlined
 def _copy(polygon: np.ndarray, count: int, into: np.ndarray) -> None:
     for k in range(count):
         into[k, 0], into[k, 1] = polygon[k, 0], polygon[k, 1]
@@ -228,6 +251,8 @@ def _pieces(beams: Beams, k: int, room: Room, pair: int, pieces: int) -> int:
         if count == 0:
             continue
         if not parts or depth == DEEPEST:
+            if not _holds_sample(terms, polygon, count, beams.spacing):
+                continue
             if pieces + count > len(room.owner):
                 return -1
             pieces = _emit(room, polygon, count, pair, pieces)

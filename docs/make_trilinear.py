@@ -7,7 +7,7 @@ from collections.abc import Callable
 from functools import partial
 from pathlib import Path
 
-from figures import curves, nonlinear
+from figures import curves, nonlinear, ray_triangle
 from figures.comparing import Drawn
 from figures.configurations import FIGURES as CONFIGURATIONS
 from figures.panels import save
@@ -18,6 +18,7 @@ PAGE = Path(__file__).resolve().parent / "trilinear.md"
 PICTURES = PAGE.parent / "pictures" / "trilinear"
 
 FIGURES: dict[str, Callable[[], Drawn]] = {
+    "3.2": ray_triangle.parametric,
     **{figure: partial(curves.configuration, figure) for figure in CONFIGURATIONS},
     "4.8": curves.straight_error,
     "4.9": partial(curves.finer, "4.9"),

@@ -2,17 +2,15 @@
 
 from __future__ import annotations
 
-import csv
 from dataclasses import dataclass
 from functools import cache
-from pathlib import Path
 
 import numpy as np
 
+from anamorph.measure.thesis.printed import configurations
 from anamorph.trilinear import Shape, project_points, project_triangle
 
-ROOT = Path(__file__).resolve().parents[2]
-SEED = 5
+SEED = 3
 DRAWS = 6000
 """Random triangles among which the (9) example is looked for."""
 MARGIN = 0.06
@@ -22,8 +20,8 @@ FIGURES = {
     "4.1": "2,2,2,3", "4.2": "3,3,3", "4.3": "4,2,3", "4.4": "4,5", "4.5": "6,3", "4.6": "2,7", "4.7": "9",
 }  # fmt: skip
 """The configuration of each figure."""
-PRINTED_AS = {"2,3": "9"}
-"""Table C prints the triangles of this configuration under the name of another."""
+MISLABELLED = "2,3"
+"""Table C prints its triangles as those of (9)."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,7 +42,7 @@ def example(label: str) -> Example:
     """The example of a configuration, named by the numbers of vertices of its shapes."""
     if label == "9":
         return _nine()
-    numbers = _table()[PRINTED_AS.get(label, label)]
+    numbers = configurations()[label]
     wanted = sorted(int(count) for count in label.split(","))
     # The printed digits are those of what was drawn, up to rounding: scene numbers have three, view numbers two places.
     half = np.full(numbers.shape, 0.005)
@@ -59,16 +57,9 @@ def example(label: str) -> Example:
         tried = numbers + half * random.uniform(-1.0, 1.0, numbers.shape)
 
 
-def rounded(label: str) -> bool:
-    """Whether the printed digits themselves have other shapes."""
-    table = _table()
-    key = PRINTED_AS.get(label, label)
-    return key not in table or not np.array_equal(table[key][:, :3], example(label).corners)
-
-
 def _ahead(label: str, shapes: tuple[Shape, ...]) -> bool:
     """Whether no vertex lies behind the origins, from where it would cut a shape; one of (2,3)'s always does."""
-    return label in PRINTED_AS or min(shape.t.min() for shape in shapes) > 0.0
+    return label == MISLABELLED or min(shape.t.min() for shape in shapes) > 0.0
 
 
 def _nine() -> Example:
@@ -105,13 +96,3 @@ def _holding(drawn: Example, shape: Shape) -> Example:
     directions = weights @ drawn.directions
     start = shape.t.min() - 0.05 * np.ptp(shape.t)
     return Example(drawn.corners, weights @ drawn.origins + start * directions, directions)
-
-
-@cache
-def _table() -> dict[str, np.ndarray]:
-    """Tables C.1 and C.2: by the printed label, (3, 9) of scene corner, view corner and view direction."""
-    numbers: dict[str, list[list[float]]] = {}
-    path = next(path for room in ("tests", "src") for path in (ROOT / room).rglob("c-configurations.csv"))
-    for label, _, *texts in list(csv.reader(path.read_text().splitlines()))[1:]:
-        numbers.setdefault(label, []).append([float(text) for text in texts])
-    return {label: np.array(lines) for label, lines in numbers.items()}

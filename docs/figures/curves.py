@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from figures.comparing import EXACT, STRAIGHT, Drawn, compared, pixels, table_row
-from figures.configurations import FIGURES, PRINTED_AS, Example, example
+from figures.configurations import FIGURES, MISLABELLED, Example, example
 from figures.panels import Panel, lined, shrunk
 from PIL import Image, ImageDraw
 
@@ -139,7 +139,7 @@ def with_lines(image: np.ndarray, shown: Single) -> np.ndarray:
 
 def configuration(figure: str) -> Drawn:
     """Figures 4.1 to 4.7: one scene triangle, by tracing, with curved and with straight edges."""
-    labels = [FIGURES[figure], *(PRINTED_AS if figure == "4.7" else ())]
+    labels = [FIGURES[figure], *([MISLABELLED] if figure == "4.7" else [])]
     rows, table = [], []
     for label in labels:
         shown = single(label)

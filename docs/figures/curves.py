@@ -5,20 +5,19 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from figures.comparing import EXACT, STRAIGHT, Drawn, compared, pixels, table_row
+from figures.comparing import EXACT, STRAIGHT, Drawn, compared, flip, pixels, table_row
 from figures.configurations import FIGURES, MISLABELLED, Example, example
 from figures.panels import Panel, lined, shrunk
 from PIL import Image, ImageDraw
 
 import anamorph as an
 from anamorph.cameras import from_grid
-from anamorph.measure.errors import measure
 from anamorph.output import to_pixels
 from anamorph.raymesh import RayMesh
 from anamorph.trilinear import project_triangle
 
 THIRD = (313, 271)
-FINE = 3
+FINE = 2
 """Pixels drawn for each that is shown, in either direction."""
 BORDER = 0.12
 """Around what is seen, as a share of it."""
@@ -118,7 +117,7 @@ def circled(image: np.ndarray, shown: Single) -> np.ndarray:
     for shape in shown.example.shapes():
         for (x, y), t, weights in zip(shown.at(shape.u, shape.v) * FINE, shape.t, shape.weights, strict=True):
             if t > 0.0:
-                for radius, width, color in ((15, 9, DARK), (13, 5, CORNERS[int(weights.argmax())])):
+                for radius, width, color in ((10, 6, DARK), (9, 4, CORNERS[int(weights.argmax())])):
                     draw.ellipse((x - radius, y - radius, x + radius, y + radius), outline=color, width=width)
     return shrunk(np.asarray(page), THIRD)
 
@@ -149,7 +148,7 @@ def configuration(figure: str) -> Drawn:
             [
                 Panel(circled(pixels(found.traced), shown), f"({label}): a ray for every pixel"),
                 Panel(circled(pixels(found.exact), shown), "projected, exact edges"),
-                Panel(circled(straight, shown), f"straight edges, FLIP {found.straight_errors.flip:.3f}"),
+                Panel(circled(straight, shown), f"straight edges, FLIP {found.straight_flip:.3f}"),
             ]
         )
         table.append(table_row(f"{figure}, ({label})", 1, found))
@@ -213,7 +212,7 @@ def finer(figure: str) -> Drawn:
     way, lines = ("tessellate", shape_lines) if figure == "4.9" else ("slices", level_lines)
     truth = shown.draw("raytrace")
     frames = [shown.draw(f"{STRAIGHT},{way}={number}") for number in (PARTS, 4 * PARTS)]
-    flips = [measure(truth, frame).flip for frame in (shown.draw(STRAIGHT), *frames)]
+    flips = [flip(truth, frame) for frame in (shown.draw(STRAIGHT), *frames)]
     drawn = circled(pixels(frames[0]), shown)
     return [
         [

@@ -1,4 +1,4 @@
-"""Makes the pictures and the table of trilinear.md: `.venv/bin/python docs/make_trilinear.py`, or those that are named."""
+"""Makes pictures and table of trilinear.md: `.venv/bin/python docs/make_trilinear.py`, or those of some figures."""
 
 from __future__ import annotations
 

@@ -94,7 +94,7 @@ def number(value: float | None) -> str:
 
 
 def table_row(name: str, triangles: int, found: Compared) -> str:
-    """A row of the table, which the page holds between its other text."""
+    """A row of the page's table, of a figure with so many ray triangles."""
     height, width = found.exact.color.shape[:2]
     errors = found.errors
     cells = [

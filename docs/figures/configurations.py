@@ -1,4 +1,4 @@
-"""The thesis's examples of one scene triangle in one ray triangle: their numbers, as table C has them and as it has not."""
+"""The thesis's examples of one scene triangle in one ray triangle: from table C, and one that it does not print."""
 
 from __future__ import annotations
 

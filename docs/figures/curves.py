@@ -216,7 +216,9 @@ def finer(figure: str) -> Drawn:
     drawn = circled(pixels(frames[0]), shown)
     return [
         [
-            Panel(lined(drawn, lines(shown, PARTS), DARK), f"{way}={PARTS}: FLIP {flips[1]:.3f}, without {flips[0]:.3f}"),
+            Panel(
+                lined(drawn, lines(shown, PARTS), DARK), f"{way}={PARTS}: FLIP {flips[1]:.3f}, without {flips[0]:.3f}"
+            ),
             Panel(circled(pixels(frames[1]), shown), f"{way}={4 * PARTS}: FLIP {flips[2]:.3f}"),
             Panel(circled(pixels(truth), shown), "a ray for every pixel"),
         ]

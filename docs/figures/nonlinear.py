@@ -37,14 +37,18 @@ def perspective() -> Drawn:
     plain = pixels(an.render(scene, method="raytrace", size=SQUARE, seen=True))
     traced, projected = pair(found, "6.4 (a): a ray for every pixel", THIRD)
     projected = replace(projected, caption="6.4 (b): " + projected.caption.replace(": ", "\n", 1))
-    return [[Panel(shrunk(plain, THIRD), "6.3: in perspective"), traced, projected]], [table_row("6.4", len(rays.faces), found)]
+    return [[Panel(shrunk(plain, THIRD), "6.3: in perspective"), traced, projected]], [
+        table_row("6.4", len(rays.faces), found)
+    ]
 
 
 def two_views() -> Drawn:
     """Figure 6.7: from the left and from the front, and between them the way from one to the other."""
     rays = multi_perspective(LEFT, FRONT, WIDE)
     found = compared(cube_scene(), rays, WIDE)
-    return [[panel] for panel in pair(found, "(a): a ray for every pixel", WIDE)], [table_row("6.7", len(rays.faces), found)]
+    return [[panel] for panel in pair(found, "(a): a ray for every pixel", WIDE)], [
+        table_row("6.7", len(rays.faces), found)
+    ]
 
 
 def mapping() -> Drawn:

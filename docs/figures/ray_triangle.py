@@ -6,7 +6,7 @@ import numpy as np
 from figures import diagram as dg
 from figures.comparing import EXACT, Drawn, pixels
 from figures.configurations import Example
-from figures.curves import CORNERS, FINE, TRIANGLE, Single, circled, triangle_scene
+from figures.curves import FINE, TRIANGLE, Single, circled, triangle_scene
 from figures.panels import Panel, draw, labelled, places
 
 import anamorph as an
@@ -58,7 +58,10 @@ def parametric() -> Drawn:
     shown = Single(RAYS, triangle_scene("seen", corners, np.eye(3)), TRIANGLE * size[0], size)
     return [
         [
-            Panel(labelled(draw(page, "raytrace", SIZE), labels), "three rays, the triangles at some t, and a scene triangle"),
+            Panel(
+                labelled(draw(page, "raytrace", SIZE), labels),
+                "three rays, the triangles at some t, and a scene triangle",
+            ),
             Panel(circled(pixels(shown.draw(EXACT)), shown), "what the rays between see of it"),
         ]
     ], []

@@ -159,6 +159,10 @@ def test_values_of_another_type_that_mean_the_same_are_taken():
 @pytest.mark.parametrize("name", [name for name in SHADERS if name not in BASE])
 def test_every_shader_compiles(name):
     warp = ("gpu/vertices.wgsl", "gpu/map.wgsl")
+    visibility = ("gpu/vertices.wgsl", "methods/visibility.wgsl")
+    sighting = (*visibility, "methods/sighting.wgsl")
+    # These call each other.
+    points = [f"trilinear/{part}.wgsl" for part in ("two_floats", "cubic", "weights", "points")]
     before = {
         "methods/environment.wgsl": ("gpu/map.wgsl",),
         "methods/warp.wgsl": warp,
@@ -166,6 +170,13 @@ def test_every_shader_compiles(name):
         "methods/lens.wgsl": (*warp, "methods/warp.wgsl"),
         "methods/doubt.wgsl": (*warp, *(f"methods/{room}.wgsl" for room in ("warp", "pervertex", "lens"))),
         "methods/raytrace.wgsl": ("gpu/vertices.wgsl",),
+        "methods/visibility.wgsl": ("gpu/vertices.wgsl",),
+        "methods/composed.wgsl": visibility,
+        "methods/straight.wgsl": visibility,
+        "methods/sighting.wgsl": visibility,
+        "methods/trilinear.wgsl": sighting,
+        "methods/edges.wgsl": (*sighting, "methods/trilinear.wgsl"),
+        **{part: tuple(other for other in points if other != part) for part in points},
     }
     assert shader_module(*before.get(name, ()), name) is not None
 

@@ -77,10 +77,14 @@ def _layer_view(texture: wgpu.GPUTexture, layer: int) -> wgpu.GPUTextureView:
 
 
 def begin_pass(
-    encoder: wgpu.GPUCommandEncoder, target: Target, clear: bool = True, keep_depth: bool = False
+    encoder: wgpu.GPUCommandEncoder,
+    target: Target,
+    clear: bool = True,
+    keep_depth: bool = False,
+    keep_color: bool = False,
 ) -> wgpu.GPURenderPassEncoder:
-    """Begin drawing into `target`, cleared to nothing or kept; its depth likewise, or kept in any case."""
-    load = "clear" if clear else "load"
+    """Begin drawing into `target`, cleared to nothing or kept; its depth or its colours may be kept in any case."""
+    load = "clear" if clear and not keep_color else "load"
     depth_load = "clear" if clear and not keep_depth else "load"
     colors = [
         {

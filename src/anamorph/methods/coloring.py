@@ -113,7 +113,7 @@ class Coloring:
     def draw(self, encoder: wgpu.GPUCommandEncoder, projection: ProjectionUniform, clear: bool) -> None:
         """Colour the picture, over what is there or anew."""
         if self._edges is not None:
-            self._pass(encoder, projection, self._edges, [self._marked], 3)
+            self._pass(encoder, projection, self._edges, [self._marked], 3, keep_color=True)
         self._pass(encoder, projection, self._colors, list(self._shaded), clear=clear, keep_depth=True)
         if self._edges is not None:
             self._pass(encoder, projection, self._edges, [self._mixed], clear=False)
@@ -133,8 +133,9 @@ class Coloring:
         corners: int | None = None,
         clear: bool = True,
         keep_depth: bool = False,
+        keep_color: bool = False,
     ) -> None:
-        render_pass = begin_pass(encoder, target, clear, keep_depth)
+        render_pass = begin_pass(encoder, target, clear, keep_depth, keep_color)
         bind_scene(render_pass, self._buffers, projection)
         for pipeline in pipelines:
             self._draw(render_pass, pipeline, 3 * self._visibility.count if corners is None else corners)

@@ -17,3 +17,16 @@ fn composed_color(fragment: OwnerFragment) -> @location(0) vec4f {
     }
     return color;
 }
+
+// Along the picture's rim, samples that a ray mesh has no rays for because it was shifted: their pixel's own color, which
+// the picture's frame would darken otherwise.
+@fragment
+fn composed_rim(@builtin(position) pixel: vec4f) -> @location(0) vec4f {
+    let texel = vec2i(pixel.xy);
+    let color = textureLoad(colors, texel, 0);
+    let within = all(texel > vec2i(0)) && all(texel < vec2i(textureDimensions(colors)) - 1);
+    if within || color.a == 0.0 {
+        discard;
+    }
+    return color;
+}

@@ -12,6 +12,7 @@ these are too wrong, which `edges=straight` does (trilinear/straight.py). Else e
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 import wgpu
@@ -99,16 +100,19 @@ class TrilinearDrawing:
         self._lines = [self._line(mask) for mask in (LINES if disperses else LINES[:1])]
         whole = layout_of(texture())
         self._whole = bind(whole, [self._colors.textures[0].create_view()])
-        self._composed = make_pipeline(
-            shader_module("gpu/vertices.wgsl", "methods/visibility.wgsl", "methods/composed.wgsl"),
-            "bare_owner_vertex" if self._bare else "surface_owner_vertex",
-            "composed_color",
-            (COLOR_FORMAT,),
-            buffers=(),
-            groups=(data_layout(), whole),
-            samples=options.antialias,
-            cull="none" if self._bare else "back",
-        )
+        module = shader_module("gpu/vertices.wgsl", "methods/visibility.wgsl", "methods/composed.wgsl")
+
+        def composed(vertex: str, fragment: str, **settings: Any) -> wgpu.GPURenderPipeline:
+            groups, formats, samples = (data_layout(), whole), (COLOR_FORMAT,), options.antialias
+            return make_pipeline(
+                module, vertex, fragment, formats, buffers=(), groups=groups, samples=samples, **settings
+            )
+
+        if self._bare:
+            self._composed = composed("bare_owner_vertex", "composed_color")
+            self._rim = composed("sky_vertex", "composed_rim", depth_compare="greater-equal")
+        else:
+            self._composed = composed("surface_owner_vertex", "composed_color", cull="back")
 
     def _line(self, mask: int) -> list[Layer]:
         """The layers of light that is written with a mask."""
@@ -182,6 +186,9 @@ class TrilinearDrawing:
         first.bind(render_pass)
         render_pass.set_bind_group(3, self._whole)
         render_pass.draw(3 * first.count)
+        if self._bare and self._options.antialias > 1:
+            render_pass.set_pipeline(self._rim)
+            render_pass.draw(3)
 
     def draw_seen(self, render_pass: wgpu.GPURenderPassEncoder) -> None:
         """The seen buffers, by the d line."""

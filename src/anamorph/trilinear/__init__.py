@@ -1,7 +1,7 @@
 """What a ray triangle sees, by projecting the scene into it instead of casting rays through it.
 
-Source: Vallance, "Trilinear projection" (PhD thesis, 2005), chapters 3 to 5 and 7. A ray triangle is three rays: origins p
-and directions n (3, 3), the directions of any length; in between, both are interpolated with the weights
+Source: Vallance, "Trilinear projection" (PhD thesis, 2005), chapters 3 to 5 and 7. A ray triangle is three rays:
+origins p and directions n (3, 3), the directions of any length; in between, both are interpolated with the weights
 (1 - u - v, u, v). The thesis's parametric triangle at t is the one between the points p + t n.
 
 | section | what | where |

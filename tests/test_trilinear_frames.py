@@ -24,7 +24,7 @@ from anamorph.scene.camera import Camera
 from anamorph.scene.model import Diffuse, Mesh, Mirror, Scene, Sky
 
 PICTURE = (240, 240)
-TRUTH, ONCE = "raytrace:truth=raymesh,bounces=1", "trilinear"
+TRUTH, ONCE = "raytrace:truth=raymesh,bounces=1", "trilinear:bounces=1"
 """Both end where a second mirror follows."""
 
 LEFT = Camera(position=(-3.0, 1.0, 0.6), target=(0.0, 0.0, 0.0), field_of_view=40.0)

@@ -121,9 +121,10 @@ class Layer:
     def _pieces(self, rays: Rays, beams: Beams, plan: Plan, world: World) -> np.ndarray:
         if self._straight is None:
             return piece_records(plan)
-        pairs = np.column_stack([beams.number[plan.pair[:, 0]], plan.pair[:, 1]]).astype(np.int32)
+        # Those left out may have no direction at all.
+        shown = beams.number
         pieces = straight_pieces(
-            rays.picture, rays.origins, rays.directions, world.corners, pairs,
+            rays.picture[shown], rays.origins[shown], rays.directions[shown], world.corners, plan.pair[:, :2],
             tessellate=self._straight.tessellate, slices=self._straight.slices, scene_clip=self._straight.scene_clip,
         )  # fmt: skip
         return straight_records(pieces)

@@ -304,7 +304,7 @@ def test_a_scene_with_glass_is_drawn_by_the_methods_that_can(tmp_path):
     told = run("render", "magnifier", "--tolerance", "0.5", "--size", "48x36", "-o", "lens.png", directory=tmp_path)
     assert (told.returncode, told.stderr) == (0, "") and "refined" in told.stdout
     quiet_success(run("compare", "magnifier", "--size", "48x36", "--json", "lens.json", directory=tmp_path))
-    assert list(json.loads((tmp_path / "lens.json").read_text())["methods"]) == ["raytrace", "pervertex"]
+    assert list(json.loads((tmp_path / "lens.json").read_text())["methods"]) == ["raytrace", "pervertex", "trilinear"]
 
 
 def test_a_picture_with_gaps_says_so_and_how_to_fill_them(tmp_path):

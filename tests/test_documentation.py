@@ -18,6 +18,7 @@ import trimesh
 
 from anamorph import cli
 from anamorph.measure.figures import ROWS
+from anamorph.measure.thesis.printed import configurations
 from anamorph.methods import METHODS
 from anamorph.projection import camera_projection
 from anamorph.scene import builtin
@@ -165,6 +166,57 @@ def test_a_diagrams_view_volume_is_that_of_the_projection(figures):
 
 def test_the_script_knows_every_figure_of_the_page(figures):
     assert sorted(runpy.run_path(str(ROOT / "docs" / "make_pvrr.py"))["FIGURES"]) == list(range(3, 17))
+
+
+@pytest.fixture
+def thesis(figures):
+    """The script that draws the figures of the thesis on trilinear projection."""
+    return runpy.run_path(str(ROOT / "docs" / "make_trilinear.py"))
+
+
+def test_the_theses_figures_are_all_there(thesis):
+    text = (ROOT / "docs" / "trilinear.md").read_text()
+    wanted = ["3.2", *(f"4.{k}" for k in range(1, 11)), "5.1", "6.4", "6.7", "6.9", "7.4", "7.5", "7.6"]
+    assert list(thesis["FIGURES"]) == wanted
+    for figure in wanted:
+        path = thesis["picture"](figure).relative_to(ROOT / "docs")
+        assert f"({path})" in text
+        assert (ROOT / "docs" / path).exists()
+
+
+def test_the_table_of_trilinear_projection_says_that_it_is_exact():
+    lines = section(ROOT / "docs" / "trilinear.md", "The figures").split("### How near")[1].splitlines()
+    rows = [[cell.strip() for cell in line.split("|")[1:-1]] for line in lines if re.match(r"\| \d", line)]
+    assert len(rows) == 23
+    for name, _, triangles, p95, other, flip, straight, original in rows:
+        assert p95 == "< 0.0001" or float(p95) <= 0.01, name
+        assert int(triangles) >= 1 and float(other) == 0.0
+        assert flip == "< 0.0001" or float(flip) < 0.3 * float(straight)
+        assert (original != "") == name.startswith("7.")
+
+
+def test_a_row_of_the_table_is_renewed_by_its_first_cell_alone(thesis):
+    page = "text\n| 6.4 | old |\n| 6.7 | kept |\n"
+    assert thesis["renewed"](page, ["| 6.4 | new |"]) == "text\n| 6.4 | new |\n| 6.7 | kept |\n"
+    with pytest.raises(SystemExit, match=r"no row for 9\.9"):
+        thesis["renewed"](page, ["| 9.9 | new |"])
+
+
+def test_the_drawn_examples_have_the_shapes_of_their_labels_and_the_printed_numbers(figures):
+    examples = importlib.import_module("figures.configurations")
+    for label in [*examples.FIGURES.values(), "2,3"]:
+        found = examples.example(label)
+        shapes = found.shapes()
+        assert sorted(len(shape) for shape in shapes) == sorted(int(count) for count in label.split(","))
+        assert label == "2,3" or min(shape.t.min() for shape in shapes) > 0.0
+        if label == "9":
+            assert min((shapes[0].u.min(), shapes[0].v.min(), (1.0 - shapes[0].u - shapes[0].v).min())) > 0.0
+            continue
+        printed = configurations()[label]
+        drawn = np.column_stack([found.corners, found.origins, found.directions])
+        assert (np.array_equal(printed, drawn)) == (label not in ("4,5", "6,3"))
+        assert np.abs(drawn[:, 3:] - printed[:, 3:]).max() <= 0.005
+        assert np.allclose(drawn[:, :3], printed[:, :3], rtol=0.005)
 
 
 def section(page: Path, title: str) -> str:

@@ -2,9 +2,9 @@
 // vertices.wgsl.
 //
 // In a ray triangle everything is a polynomial of the place in the picture, relative to the ray triangle's center. The
-// weights of a scene triangle's corners, times N, are quadratics; N, which is positive where the triangle is seen from
-// the side that the pair stands for, and N times the distance are linear. No edge is drawn straight, and nothing is
-// interpolated: each pixel asks for itself.
+// weights of a scene triangle's corners, all times one number, are quadratics; N, which is positive where the triangle is
+// seen from the side that the pair stands for, and N times the distance are linear. No edge is drawn straight, and
+// nothing is interpolated: each pixel asks for itself.
 
 struct Quadratic {
     xx: f32, xy: f32, yy: f32, x: f32, y: f32, one: f32,

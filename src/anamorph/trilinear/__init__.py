@@ -1,7 +1,7 @@
 """What a ray triangle sees, by projecting the scene into it instead of casting rays through it.
 
-Source: Vallance, "Trilinear projection" (PhD thesis, 2005), chapters 3 and 4. A ray triangle is three rays: origins p
-and directions n (3, 3), the directions of any length; in between, both are interpolated with the weights
+Source: Vallance, "Trilinear projection" (PhD thesis, 2005), chapters 3 to 5 and 7. A ray triangle is three rays:
+origins p and directions n (3, 3), the directions of any length; in between, both are interpolated with the weights
 (1 - u - v, u, v). The thesis's parametric triangle at t is the one between the points p + t n.
 
 | section | what | where |
@@ -14,6 +14,9 @@ and directions n (3, 3), the directions of any length; in between, both are inte
 | 4.2, 4.3 | the order in which projected corners are joined | `connect` |
 | 4.1, 4.6 | a scene triangle's shapes, and what of them lies before the origins | `shapes`: `project_triangle` |
 | 4.2 to 5.2 | all that in bulk and compiled, drawn with straight edges | `straight`: `straight_pieces` |
+| beyond it | rays, and the sides of scene edges, as functions of the picture: exact edges | `beams`, `pairs` |
+| | which scene triangles all ray triangles see, and in which pieces of the picture | `tree`, `plan` |
+| 7.2.3 | the rays that go on from a mirror seen in a mirror | `following`, by `pixels` and `samples` |
 """
 
 from anamorph.trilinear.boxes import BoundingPlanes as BoundingPlanes

@@ -62,6 +62,8 @@ class Beams(NamedTuple):
     """(K, C, 2) float64: the corners of the part of the picture that is its own, a little enlarged."""
     corners: np.ndarray
     """(K,) int64: how many corners that has."""
+    extent: np.ndarray
+    """(K, 4) float64: the middle of the box around that part, and half its width and height."""
     normals: np.ndarray
     """(K, N, 3) float64: see `BoundingPlanes`."""
     distances: np.ndarray
@@ -157,11 +159,19 @@ def make_beams(
         moment=_products(np.cross(direction.swapaxes(1, 2)[:, :, None], origin.swapaxes(1, 2)[:, None])),
         domain=part,
         corners=corners,
+        extent=_extent(part, corners),
         normals=planes.normals,
         distances=planes.distances - slack,
         spacing=spacing,
         near=near_t,
     )
+
+
+def _extent(part: np.ndarray, corners: np.ndarray) -> np.ndarray:
+    """Middles and half extents (K, 4) of the boxes around polygons."""
+    used = np.where((np.arange(part.shape[1]) < corners[:, None])[..., None], part, part[:, :1])
+    low, high = used.min(axis=1), used.max(axis=1)
+    return np.concatenate([0.5 * (low + high), 0.5 * (high - low)], axis=1)
 
 
 def _products(outer: np.ndarray) -> np.ndarray:

@@ -159,12 +159,30 @@ def _bend(terms: np.ndarray, first: int, x: float, y: float) -> float:
 
 
 @inlined
+def _lies_beyond(
+    beams: Beams, k: int, a: np.ndarray, b: np.ndarray, sign: float, terms: np.ndarray, first: int
+) -> bool:
+    """Find the quadratic of an edge's side; whether it is negative all over the ray triangle's part of the picture."""
+    _edge(beams, k, a, b, sign, terms, first)
+    x, y, half_x, half_y = beams.extent[k]
+    value, slope_x, slope_y = _quadratic(terms, first, x, y)
+    rise = abs(slope_x) * half_x + abs(slope_y) * half_y + _bend(terms, first, half_x, half_y)
+    reach_x, reach_y = abs(x) + half_x, abs(y) + half_y
+    return value + rise < -_rounding(terms, first, reach_x, reach_y)
+
+
+@inlined
+def _rounding(terms: np.ndarray, first: int, x: float, y: float) -> float:
+    """What float32 may lose of a quadratic within (x, y) of the center."""
+    size = abs(terms[first]) * x * x + abs(terms[first + 1]) * x * y + abs(terms[first + 2]) * y * y
+    return ROUNDING * (size + abs(terms[first + 3]) * x + abs(terms[first + 4]) * y + abs(terms[first + 5]))
+
+
+@inlined
 def _widen(terms: np.ndarray, x: float, y: float) -> None:
     """Let each side be inside by what float32 may lose within (x, y) of the center, so that no pixel falls between."""
     for first in (0, 6, 12):
-        size = abs(terms[first]) * x * x + abs(terms[first + 1]) * x * y + abs(terms[first + 2]) * y * y
-        size += abs(terms[first + 3]) * x + abs(terms[first + 4]) * y + abs(terms[first + 5])
-        terms[first + 5] += ROUNDING * size
+        terms[first + 5] += _rounding(terms, first, x, y)
 
 
 @inlined
@@ -235,7 +253,7 @@ def _pieces(beams: Beams, k: int, room: Room, pair: int, pieces: int) -> int:
     _copy(beams.domain[k], beams.corners[k], room.polygons[0])
     first = room.polygons[0]
     count = beams.corners[k]
-    x, y, half_x, half_y = box(first, count)
+    x, y, half_x, half_y = beams.extent[k]
     _widen(terms, abs(x) + half_x, abs(y) + half_y)
     for side in (ACROSS, AHEAD):
         a, b = terms[side], terms[side + 1]
@@ -312,9 +330,12 @@ def _meet(
         if not seen or (side == 0 and sees == FRONTS):
             continue
         terms = room.terms[pairs]
-        _edge(beams, k, b, c, sign, terms, 0)
-        _edge(beams, k, c, a, sign, terms, 6)
-        _edge(beams, k, a, b, sign, terms, 12)
+        if (
+            _lies_beyond(beams, k, b, c, sign, terms, 0)
+            or _lies_beyond(beams, k, c, a, sign, terms, 6)
+            or _lies_beyond(beams, k, a, b, sign, terms, 12)
+        ):
+            continue
         terms[ACROSS], terms[ACROSS + 1], terms[ACROSS + 2] = sign * across0, sign * across1, sign * across2
         terms[AHEAD], terms[AHEAD + 1], terms[AHEAD + 2] = sign * ahead0, sign * ahead1, sign * ahead2
         for term in range(3):

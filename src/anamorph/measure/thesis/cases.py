@@ -15,7 +15,7 @@ from anamorph.measure.thesis.printed import COMPETITOR, rows
 from anamorph.methods import parse, with_option
 from anamorph.methods.protocol import Session
 from anamorph.raymesh import RayMesh
-from anamorph.scene.builtin.cube import CAMERA, cube_scene
+from anamorph.scene.builtin.cube import CAMERA, FRONT, LEFT, cube_scene
 from anamorph.scene.builtin.cube_mirrors import cube_in_sphere, cube_in_wavy_mirror
 from anamorph.scene.camera import Camera
 from anamorph.scene.model import Scene
@@ -81,9 +81,7 @@ def _made(figure: str, size: tuple[int, int], projections: int) -> tuple[Scene, 
     if figure == "6.4":
         return cube, detail_and_context(CAMERA, size)
     if figure == "6.7":
-        x, _, z = CAMERA.position
-        above = Camera(position=(0.0, 4.4, 0.01), target=(0.0, 0.0, 0.0), field_of_view=CAMERA.field_of_view)
-        return cube, multi_perspective(above, replace(CAMERA, position=(x, 0.4, z)), size)
+        return cube, multi_perspective(LEFT, FRONT, size)
     if figure == "6.9":
         alone = replace(cube, meshes=cube.meshes[:1])
         return alone, inward_sphere((0.0, 0.0, 0.0), SPHERE_RADIUS, size, quads, quads)

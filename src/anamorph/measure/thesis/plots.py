@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from importlib.util import find_spec
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -61,7 +62,7 @@ def save_plot(path: Path, title: str, panels: Sequence[Panel]) -> None:
         # Groups of another kind in a second panel have colours of another map. The last ones cannot be seen on white.
         colormap = colormaps["plasma" if colors else "viridis"]
         colors |= {group: colormap(0.88 * i / max(1, len(groups) - 1)) for i, group in enumerate(groups)}
-    styles = {
+    styles: dict[str, dict[str, Any]] = {
         kind: {"linestyle": DASHES[i % len(DASHES)], "marker": MARKERS[i % len(MARKERS)], "markersize": 4}
         for i, kind in enumerate(kinds)
     }

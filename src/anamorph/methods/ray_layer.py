@@ -120,7 +120,7 @@ class Layer:
 
     def _pieces(self, rays: Rays, beams: Beams, plan: Plan, world: World) -> np.ndarray:
         if self._straight is None:
-            return piece_records(plan)
+            return piece_records(beams, plan)
         # Those left out may have no direction at all.
         shown = beams.number
         pieces = straight_pieces(
@@ -159,7 +159,7 @@ class Layer:
         )
         pairs = pair_records(beams, plan, world.group > 0)
         drawn = piece_corners(records, before.beams, before.plan, chosen)
-        self.visibility.write(drawn, pairs, piece_records(plan))
+        self.visibility.write(drawn, pairs, piece_records(beams, plan))
         return Sight(beams, plan, records, pairs)
 
     def draw(self, encoder: wgpu.GPUCommandEncoder, projection: ProjectionUniform, clear: bool) -> None:

@@ -116,10 +116,11 @@ def pair_records(beams: Beams, plan: Plan, fronts: np.ndarray) -> np.ndarray:
     return records
 
 
-def piece_records(plan: Plan) -> np.ndarray:
+def piece_records(beams: Beams, plan: Plan) -> np.ndarray:
     """The pieces, (T,) of `PIECE`."""
     records = np.zeros(len(plan.owner), PIECE)
-    records["place"], records["pair"] = plan.place.reshape(-1, 6), plan.owner
+    place = plan.place + beams.center[plan.pair[plan.owner, 0]][:, None]
+    records["place"], records["pair"] = place.reshape(-1, 6), plan.owner
     return records
 
 

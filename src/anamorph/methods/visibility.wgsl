@@ -31,7 +31,7 @@ struct Pair {
 
 const SPECULAR = 0x80000000u;
 
-// A triangle of the picture, in places relative to its ray triangle's center, and the row of its pair.
+// A triangle of the picture, in pixels, and the row of its pair.
 struct Piece {
     x0: f32, y0: f32, x1: f32, y1: f32, x2: f32, y2: f32,
     pair: u32,
@@ -187,18 +187,21 @@ struct PieceFragment {
 @vertex
 fn piece_vertex(@builtin(vertex_index) index: u32) -> PieceFragment {
     let piece = pieces[index / 3u];
-    let pair = pairs[piece.pair];
+    // What is flat comes from a triangle's first corner: the others need not read it.
+    var pair: Pair;
+    if index % 3u == 0u {
+        pair = pairs[piece.pair];
+    }
     var corners = array<vec2f, 3>(vec2f(piece.x0, piece.y0), vec2f(piece.x1, piece.y1), vec2f(piece.x2, piece.y2));
-    let center = vec2f(pair.center_x, pair.center_y);
     return PieceFragment(
-        picture_clip(vec3f(corners[index % 3u] + center, 1.0)),
+        picture_clip(vec3f(corners[index % 3u], 1.0)),
         vec4f(pair.first.xx, pair.first.xy, pair.first.yy, pair.first.x),
         vec4f(pair.first.y, pair.first.one, pair.second.xx, pair.second.xy),
         vec4f(pair.second.yy, pair.second.x, pair.second.y, pair.second.one),
         vec4f(pair.third.xx, pair.third.xy, pair.third.yy, pair.third.x),
         vec4f(pair.third.y, pair.third.one, pair.across.x, pair.across.y),
         vec4f(pair.across.one, pair.ahead.x, pair.ahead.y, pair.ahead.one),
-        center,
+        vec2f(pair.center_x, pair.center_y),
         vec2u(pair.ray_triangle, pair.seen),
     );
 }

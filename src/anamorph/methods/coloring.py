@@ -71,7 +71,6 @@ class Coloring:
         size = colors.size
         depth = visibility.views.owners.depth
         self._colors = replace(colors, depth=depth)
-        self._follows = before is not None
         self._throughput = make_target(size, (COLOR_FORMAT,), depth=depth) if goes_on else None
         given = None if before is None or before._throughput is None else before._throughput.textures[0].create_view()
         self._group = bind_views(visibility.views, visibility.fine, given)
@@ -100,7 +99,7 @@ class Coloring:
         self._shaded = shaded("surface_color", "less"), shaded("sky_seen_color", "equal")
         self._thrown = shaded("throughput_color", "less", wgpu.ColorWrite.ALL) if goes_on else None
         self._seen = pipeline("end_seen", SEEN_FORMATS, False)
-        if self._follows:
+        if before is not None:
             # What these rays see stands where the first specular surface is.
             self._seen = pipeline("end_seen", SEEN_FORMATS, True, depth_compare="always", depth_write=False)
         self._edges: Target | None = None

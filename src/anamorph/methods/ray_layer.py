@@ -139,9 +139,8 @@ class Layer:
             return None
         sent = following_rays(before.beams, before.plan, chosen, world.corners, world.normals)
         # The rectangle of the pixels that see the mirror: pieces may reach further.
-        center = before.beams.center[pair[chosen, 0]]
-        low, high = center + box[:, :2] - 0.5, center + box[:, 2:] + 0.5
-        domain = np.stack([low, np.stack([high[:, 0], low[:, 1]], -1), high, np.stack([low[:, 0], high[:, 1]], -1)], 1)
+        low_high = box + np.array([-0.5, -0.5, 0.5, 0.5])
+        domain = low_high[:, [[0, 1], [2, 1], [2, 3], [0, 3]]] + before.beams.center[pair[chosen, 0]][:, None]
         beams = make_beams(sent.picture, sent.origins, sent.directions, self._size, world.near, 1.0, domain)
         if not len(beams.number):
             return None

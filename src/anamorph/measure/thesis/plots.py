@@ -88,7 +88,7 @@ def save_plot(path: Path, title: str, panels: Sequence[Panel]) -> None:
         axes.grid(True, which="major", alpha=0.3)
     handles = [Line2D([], [], color=color, linewidth=3, label=group) for group, color in colors.items()]
     handles += [Line2D([], [], color="black", label=kind, **style) for kind, style in styles.items()]
-    figure.legend(handles=handles, loc="outside lower center", ncols=min(5, len(handles)))
+    figure.legend(handles=handles, loc="outside lower center", ncols=min(4, len(handles)))
     picture = io.BytesIO()
     figure.savefig(picture, format="png")
     with whole_file(path) as file:

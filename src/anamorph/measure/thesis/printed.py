@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import csv
-from collections.abc import Iterable
 from functools import cache
 from importlib.resources import files
 
@@ -60,8 +59,3 @@ def configurations() -> dict[str, np.ndarray]:
         label, _, *texts = row.values()
         numbers.setdefault(CALLED.get(label, label), []).append([float(text) for text in texts])
     return {label: np.array(lines) for label, lines in numbers.items()}
-
-
-def in_figure(entries: Iterable[int], name: str, key: str) -> bool:
-    """Whether all of these are printed as `key` in a table."""
-    return {str(entry) for entry in entries} <= {row[key] for row in rows(name)}

@@ -1,0 +1,136 @@
+"""What the viewer tells its user: what panel and reports show, gathered once a frame."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from enum import StrEnum
+
+from anamorph.measure.errors import Statistics
+from anamorph.scene.model import Scene
+
+Vector = tuple[float, float, float]
+Rectangle = tuple[float, float, float, float]
+"""Left, top, right, bottom, in logical pixels of the canvas."""
+
+
+class Request(StrEnum):
+    """What a user can ask for that is no state."""
+
+    SAVE_PICTURE = "save-picture"
+    SAVE_SCENE = "save-scene"
+    SAVE_COMPARISON = "save-comparison"
+    SAVE_TURNTABLE = "save-turntable"
+    SAVE_TURNTABLE_SERIES = "save-turntable-series"
+    CANCEL = "cancel"
+
+
+@dataclass(frozen=True)
+class Stop:
+    """Where a path meets something: the object's name ("eye", a mesh's, or "sky"), and the world point, metres."""
+
+    name: str
+    point: Vector
+
+
+@dataclass(frozen=True)
+class Inspection:
+    """What is seen at one pixel.
+
+    Parameters
+    ----------
+    pixel : (x, y)
+        Whole pixels of the picture from its top left.
+    method : str
+    seen : str
+        The object's name, or "sky", or "nothing".
+    point : three floats or None
+        World point that the method shows, metres; None for the sky.
+    distance : float or None
+        Along the path from the eye to what is seen, metres; None for the sky.
+    status : str
+        How the pixel got its value.
+    path : tuple of Stop
+        The true path, from the eye over each specular surface to its end; a path into the sky ends some way along.
+    truth : str
+        The name of what is there in truth.
+    angular_mrad, pixels : float or None
+        The error there; None where it is not measured: the pixel looks at no specular surface.
+    silhouette : bool
+        Whether the pixel is within one pixel of a silhouette in the truth, where errors count apart.
+    """
+
+    pixel: tuple[int, int]
+    method: str
+    seen: str
+    point: Vector | None
+    distance: float | None
+    status: str
+    path: tuple[Stop, ...]
+    truth: str
+    angular_mrad: float | None
+    pixels: float | None
+    silhouette: bool
+
+
+@dataclass(frozen=True)
+class Figures:
+    """The errors of what one half shows, and how its specular pixels got their value."""
+
+    angular_mrad: Statistics
+    pixels: Statistics
+    other_object_percent: float | None
+    status_percent: Mapping[str, float]
+
+
+@dataclass(frozen=True)
+class Progress:
+    """Of something long that runs."""
+
+    what: str
+    done: int
+    total: int
+
+
+@dataclass(frozen=True)
+class Facts:
+    """What there is to tell.
+
+    Parameters
+    ----------
+    scene : Scene
+        As it was opened, before any control.
+    size : (width, height)
+        Of the canvas, logical pixels.
+    picture : (width, height)
+        Of what was drawn last, pixels.
+    full : (width, height)
+        Of a picture at full resolution, pixels.
+    adapter : str
+    frame_ms : float
+        Between the last pictures that moved; 0 before there are two.
+    phases_ms : mapping of str to float
+        What the last frame's time went to.
+    samples_done, samples_total : int
+        Of the picture at rest: how many pictures it averages so far, and will.
+    figures : tuple of Figures or None
+        Of the halves, once measured.
+    inspection : Inspection or None
+    message : str
+        What went wrong, or has been done; may be empty.
+    progress : Progress or None
+    """
+
+    scene: Scene
+    size: tuple[int, int]
+    picture: tuple[int, int]
+    full: tuple[int, int]
+    adapter: str
+    frame_ms: float = 0.0
+    phases_ms: Mapping[str, float] = field(default_factory=dict)
+    samples_done: int = 0
+    samples_total: int = 0
+    figures: tuple[Figures | None, ...] = ()
+    inspection: Inspection | None = None
+    message: str = ""
+    progress: Progress | None = None

@@ -1,0 +1,119 @@
+"""All that a user of the viewer can set, as frozen data: whoever changes something makes another state.
+
+Nothing here knows of windows, of imgui or of the device: panel, gestures, shortcuts, tests and saved files all drive
+this one state.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from enum import StrEnum
+
+import numpy as np
+
+from anamorph.scene.camera import Camera
+
+EYE_DISTANCE = 0.065
+"""Between the two eyes, metres."""
+
+
+class Layer(StrEnum):
+    """What is shown of a method."""
+
+    PICTURE = "picture"
+    ERROR = "error"
+    STATUS = "status"
+
+
+class Drawing(StrEnum):
+    """What is drawn into space, over the picture."""
+
+    WIREFRAME = "wireframe"
+    HITS = "hits"
+    VIEWPOINT = "viewpoint"
+    VOLUME = "volume"
+
+
+class EyeSide(StrEnum):
+    """Which eye looks: the one on either side, or one midway between both."""
+
+    LEFT = "left"
+    MIDDLE = "middle"
+    RIGHT = "right"
+
+
+@dataclass(frozen=True)
+class Half:
+    """What one half of the picture shows: a method, "NAME[:option=value,...]", and a layer of it."""
+
+    method: str
+    layer: Layer = Layer.PICTURE
+
+
+@dataclass(frozen=True)
+class State:
+    """What the viewer shows.
+
+    Parameters
+    ----------
+    camera : Camera
+        The eye, midway between the two.
+    first, second : Half
+        Of the picture left of the divider, and right of it. Without a split, the first fills the picture.
+    split : bool
+    divider : float
+        Its place, as a share of the picture's width.
+    eye : EyeSide
+    observer : Camera or None
+        Where the picture is taken from, when not from the eye: to look at eye, mirror and rays from outside.
+    values : mapping of str to float
+        What has been set of the scene's controls, by their keys: see `controls`.
+    unit : str
+        Of errors: "mrad" or "px".
+    drawings : frozenset of Drawing
+    samples : int
+        A side: when nothing moves, a pixel averages samples x samples pictures.
+    resolution : float
+        Pixels of the picture for each of the canvas, along one axis, while things move; 0 for as many as keep it
+        fluid. When nothing moves, there is one for each.
+    panel, help : bool
+        Whether these are open.
+    picked : (x, y) or None
+        The point of the picture that is looked into, as shares of its width and height from the top left.
+    """
+
+    camera: Camera
+    first: Half
+    second: Half
+    split: bool = False
+    divider: float = 0.5
+    eye: EyeSide = EyeSide.MIDDLE
+    observer: Camera | None = None
+    values: Mapping[str, float] = field(default_factory=dict)
+    unit: str = "mrad"
+    drawings: frozenset[Drawing] = frozenset()
+    samples: int = 4
+    resolution: float = 0.0
+    panel: bool = True
+    help: bool = False
+    picked: tuple[float, float] | None = None
+
+    @property
+    def halves(self) -> tuple[Half, ...]:
+        """Those that are seen."""
+        return (self.first, self.second) if self.split else (self.first,)
+
+
+def looking_eye(state: State) -> Camera:
+    """The eye that looks: `state.camera`, or one to its side that looks at the same target."""
+    if state.eye is EyeSide.MIDDLE:
+        return state.camera
+    aside = EYE_DISTANCE / 2.0 * (1.0 if state.eye is EyeSide.RIGHT else -1.0)
+    x, y, z = np.add(state.camera.position, aside * state.camera.axes()[0]).tolist()
+    return replace(state.camera, position=(x, y, z))
+
+
+def shown_camera(state: State) -> Camera:
+    """Where the picture is taken from: the eye that looks, or the observer."""
+    return state.observer or looking_eye(state)

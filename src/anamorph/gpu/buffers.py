@@ -157,15 +157,15 @@ def pack_vertices(geometry: Geometry) -> np.ndarray:
     return vertices
 
 
-def _distinct_textures(scene: Scene) -> list[Texture]:
+def _distinct_textures(scene: Scene) -> tuple[Texture, ...]:
     textures: dict[int, Texture] = {}
     for mesh in scene.meshes:
         if isinstance(mesh.material, Diffuse) and mesh.material.texture is not None:
             textures.setdefault(id(mesh.material.texture), mesh.material.texture)
-    return list(textures.values())
+    return tuple(textures.values())
 
 
-def _objects(scene: Scene, textures: list[Texture]) -> np.ndarray:
+def _objects(scene: Scene, textures: tuple[Texture, ...]) -> np.ndarray:
     layers = {id(texture): layer for layer, texture in enumerate(textures, start=1)}
     objects = np.zeros(len(scene.meshes), OBJECT)
     for row, mesh in zip(objects, scene.meshes, strict=True):

@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterator
 from time import perf_counter
 from typing import Any
 
+import numpy as np
 import wgpu
 from rendercanvas.base import BaseRenderCanvas
 from wgpu.utils.imgui import ImguiRenderer
@@ -15,7 +16,7 @@ from anamorph.errors import AnamorphError
 from anamorph.gpu.device import adapter_name, device_lost, forget_device, get_device
 from anamorph.projection import camera_projection
 from anamorph.scene.model import Scene
-from anamorph.viewer.compose import Composer
+from anamorph.viewer.compose import Composer, Shown
 from anamorph.viewer.controls import edited
 from anamorph.viewer.facts import Facts, Inspection, Progress, Rectangle, Request
 from anamorph.viewer.gestures import FREE, Grip, cursor, handle
@@ -53,7 +54,7 @@ class Surface:
         self.composer = Composer(form)
         self.lines = LineRenderer(form)
 
-    def draw(self, clip: Any, size: tuple[int, int]) -> None:
+    def draw(self, halves: tuple[Shown, ...], divider: float, clip: np.ndarray, size: tuple[int, int]) -> None:
         """Everything but imgui, which comes over it."""
         encoder = get_device().create_command_encoder()
         attachment = {
@@ -63,7 +64,7 @@ class Surface:
             "store_op": "store",
         }
         render_pass = encoder.begin_render_pass(color_attachments=[attachment])
-        self.composer.draw(render_pass)
+        self.composer.draw(render_pass, halves, size, divider)
         self.lines.draw(render_pass, clip, size)
         render_pass.end()
         get_device().queue.submit([encoder.finish()])
@@ -187,14 +188,14 @@ class Viewer:
 
     def _paint(self) -> None:
         width, height = self._canvas.get_physical_size()
-        self._surface.composer.place(self._showing.halves, self.state.divider)
         camera = shown_camera(self.state)
         if self._scene.meshes:
             if self._space is None or self._space.scene is not self._scene:
                 self._space = Space(self._scene)
             eye = looking_eye(self.state)
             self._surface.lines.upload(self._space.marks(self.state, eye, (width, height), self._inspection()))
-        self._surface.draw(camera_projection(camera, (width, height)).clip, (width, height))
+        clip = camera_projection(camera, (width, height)).clip
+        self._surface.draw(self._showing.halves, self.state.divider, clip, (width, height))
         self._surface.imgui.render()
 
     def _draw_panel(self) -> None:

@@ -5,15 +5,19 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import cache
 from importlib import resources
+from typing import Any
 
 import numpy as np
 import wgpu
 
-from anamorph.gpu.bindings import SAMPLER, UNIFORM, bind, layout_of, texture
+from anamorph.gpu.bindings import SAMPLER, bind, layout_of, texture
 from anamorph.gpu.device import get_device
 from anamorph.gpu.targets import COLOR_FORMAT, make_texture
 
 LAYER_FORMAT = "rgba8unorm"
+
+
+FRAGMENTS = ("sharp_picture", "blended_picture", "layer")
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,50 +36,66 @@ def _module() -> wgpu.GPUShaderModule:
 
 @cache
 def _layout() -> wgpu.GPUBindGroupLayout:
-    return layout_of(UNIFORM, texture(), texture(), texture(), texture(), SAMPLER)
+    return layout_of(texture(), SAMPLER)
 
 
-def _pipeline(fragment: str, target: dict, layout: wgpu.GPUBindGroupLayout | str) -> wgpu.GPURenderPipeline:
+@cache
+def _sampler() -> wgpu.GPUSampler:
+    return get_device().create_sampler(mag_filter="linear", min_filter="linear")
+
+
+def _pipeline(fragment: str, target: dict[str, Any]) -> wgpu.GPURenderPipeline:
     device = get_device()
     return device.create_render_pipeline(
-        layout=layout if isinstance(layout, str) else device.create_pipeline_layout(bind_group_layouts=[layout]),
+        layout=device.create_pipeline_layout(bind_group_layouts=[_layout()]),
         vertex={"module": _module(), "entry_point": "canvas_vertex", "buffers": []},
         fragment={"module": _module(), "entry_point": fragment, "targets": [target]},
         primitive={"topology": "triangle-list"},
     )
 
 
+class _Bound:
+    """The bind group of whichever texture was bound last."""
+
+    def __init__(self) -> None:
+        self._texture: wgpu.GPUTexture | None = None
+        self._group: wgpu.GPUBindGroup | None = None
+
+    def group(self, of: wgpu.GPUTexture) -> wgpu.GPUBindGroup:
+        if self._texture is not of:
+            self._texture, self._group = of, bind(_layout(), [of.create_view(), _sampler()])
+        return self._group
+
+
 class Composer:
-    """Draws the halves onto canvases of one `form`, a texture format without sRGB."""
+    """Draws the halves side by side, onto canvases of one `form`: a texture format without sRGB."""
 
     def __init__(self, form: str) -> None:
-        device = get_device()
-        self._pipeline = _pipeline("canvas_color", {"format": form}, _layout())
-        usage = wgpu.BufferUsage.UNIFORM | wgpu.BufferUsage.COPY_DST
-        self._placement = device.create_buffer(size=16, usage=usage)
-        self._sampler = device.create_sampler(mag_filter="linear", min_filter="linear")
-        self._nothing = make_texture((1, 1), COLOR_FORMAT)
-        self._bound: tuple[tuple[wgpu.GPUTexture | None, ...], wgpu.GPUBindGroup] | None = None
+        self._pipelines = {name: _pipeline(name, {"format": form}) for name in FRAGMENTS}
+        self._bound = _Bound(), _Bound()
 
-    def place(self, halves: tuple[Shown, ...], divider: float) -> None:
-        """Set what stands where; with one half it fills the canvas, without any the canvas is black."""
-        first = halves[0] if halves else Shown()
-        second = halves[1] if len(halves) > 1 else first
-        numbers = np.zeros(4, np.uint32)
-        numbers[:1].view(np.float32)[0] = divider if len(halves) > 1 else 2.0
-        numbers[1:3] = first.layer is not None, second.layer is not None
-        get_device().queue.write_buffer(self._placement, 0, numbers)
-        textures = (first.picture, first.layer, second.picture, second.layer)
-        if self._bound is None or any(old is not new for old, new in zip(self._bound[0], textures, strict=True)):
-            views = [(each or self._nothing).create_view() for each in textures]
-            self._bound = textures, bind(_layout(), [self._placement, *views, self._sampler])
-
-    def draw(self, render_pass: wgpu.GPURenderPassEncoder) -> None:
-        """Fill the canvas."""
-        if self._bound is not None:
-            render_pass.set_pipeline(self._pipeline)
-            render_pass.set_bind_group(0, self._bound[1])
+    def draw(
+        self,
+        render_pass: wgpu.GPURenderPassEncoder,
+        halves: tuple[Shown, ...],
+        size: tuple[int, int],
+        divider: float,
+    ) -> None:
+        """Fill a canvas of `size` (width, height) with one half, or with two that meet at a share of its width."""
+        width, height = size
+        middle = round(width * divider) if len(halves) > 1 else width
+        spans = ((0, middle), (middle, width))
+        for half, bound, (left, right) in zip(halves, self._bound, spans, strict=False):
+            shown = half.layer or half.picture
+            if shown is None or right <= left:
+                continue
+            sharp = shown.size[:2] == (width, height)
+            name = "layer" if half.layer else "sharp_picture" if sharp else "blended_picture"
+            render_pass.set_scissor_rect(left, 0, right - left, height)
+            render_pass.set_pipeline(self._pipelines[name])
+            render_pass.set_bind_group(0, bound.group(shown))
             render_pass.draw(3)
+        render_pass.set_scissor_rect(0, 0, width, height)
 
 
 class Average:
@@ -85,7 +105,7 @@ class Average:
         self.texture = make_texture(size, COLOR_FORMAT)
         self.count = 0
         self._view = self.texture.create_view()
-        self._sources: tuple[wgpu.GPUTexture, wgpu.GPUBindGroup] | None = None
+        self._bound = _Bound()
 
     def restart(self) -> None:
         """Forget all pictures."""
@@ -94,13 +114,7 @@ class Average:
     def add(self, picture: wgpu.GPUTexture) -> None:
         """Take one more."""
         self.count += 1
-        device, pipeline = get_device(), _averaging()
-        if self._sources is None or self._sources[0] is not picture:
-            group = device.create_bind_group(
-                layout=pipeline.get_bind_group_layout(0),
-                entries=[{"binding": 1, "resource": picture.create_view()}],
-            )
-            self._sources = picture, group
+        device = get_device()
         encoder = device.create_command_encoder()
         attachment = {
             "view": self._view,
@@ -109,8 +123,8 @@ class Average:
             "store_op": "store",
         }
         render_pass = encoder.begin_render_pass(color_attachments=[attachment])
-        render_pass.set_pipeline(pipeline)
-        render_pass.set_bind_group(0, self._sources[1])
+        render_pass.set_pipeline(_averaging())
+        render_pass.set_bind_group(0, self._bound.group(picture))
         render_pass.set_blend_constant((1.0 / self.count,) * 4)
         render_pass.draw(3)
         render_pass.end()
@@ -120,7 +134,7 @@ class Average:
 @cache
 def _averaging() -> wgpu.GPURenderPipeline:
     mixed = {"operation": "add", "src_factor": "constant", "dst_factor": "one-minus-constant"}
-    return _pipeline("copied", {"format": COLOR_FORMAT, "blend": {"color": mixed, "alpha": mixed}}, "auto")
+    return _pipeline("copied", {"format": COLOR_FORMAT, "blend": {"color": mixed, "alpha": mixed}})
 
 
 class LayerTexture:

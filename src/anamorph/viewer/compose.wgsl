@@ -1,20 +1,7 @@
-// The canvas from its two halves: each a picture in linear colour, or a layer that is measured, with a line between.
+// A half of the canvas: a picture in linear colour, or a layer of colours as they are. The pass is cut to the half.
 
-struct Placement {
-    // Where the divider is, as a share of the width; 1 without a split.
-    divider: f32,
-    // 1 where the half shows its layer and not its picture.
-    first_layer: u32,
-    second_layer: u32,
-    padding: u32,
-}
-
-@group(0) @binding(0) var<uniform> placement: Placement;
-@group(0) @binding(1) var first_picture: texture_2d<f32>;
-@group(0) @binding(2) var first_layer: texture_2d<f32>;
-@group(0) @binding(3) var second_picture: texture_2d<f32>;
-@group(0) @binding(4) var second_layer: texture_2d<f32>;
-@group(0) @binding(5) var smooth_sampler: sampler;
+@group(0) @binding(0) var source: texture_2d<f32>;
+@group(0) @binding(1) var smooth_sampler: sampler;
 
 struct Corner {
     @builtin(position) position: vec4f,
@@ -27,33 +14,32 @@ fn canvas_vertex(@builtin(vertex_index) index: u32) -> Corner {
     return Corner(vec4f(2.0 * place.x - 1.0, 1.0 - 2.0 * place.y, 0.0, 1.0), place);
 }
 
-fn encode_srgb(linear: vec3f) -> vec3f {
+fn encode_srgb(linear: vec3f) -> vec4f {
     let inside = clamp(linear, vec3f(0.0), vec3f(1.0));
-    return select(1.055 * pow(inside, vec3f(1.0 / 2.4)) - 0.055, 12.92 * inside, inside <= vec3f(0.0031308));
+    return vec4f(select(1.055 * pow(inside, vec3f(1.0 / 2.4)) - 0.055, 12.92 * inside, inside <= vec3f(0.0031308)), 1.0);
+}
+
+// A picture with one pixel for each of the canvas.
+@fragment
+fn sharp_picture(corner: Corner) -> @location(0) vec4f {
+    return encode_srgb(textureLoad(source, vec2u(corner.position.xy), 0).rgb);
+}
+
+// A picture of another size.
+@fragment
+fn blended_picture(corner: Corner) -> @location(0) vec4f {
+    return encode_srgb(textureSampleLevel(source, smooth_sampler, corner.place, 0.0).rgb);
 }
 
 // The nearest pixel of a layer: its colours are figures, which must not be blended.
-fn layer_at(layer: texture_2d<f32>, place: vec2f) -> vec3f {
-    let size = vec2f(textureDimensions(layer));
-    return textureLoad(layer, vec2u(min(place * size, size - 1.0)), 0).rgb;
-}
-
 @fragment
-fn canvas_color(corner: Corner) -> @location(0) vec4f {
-    if corner.place.x < placement.divider {
-        if placement.first_layer == 1u {
-            return vec4f(layer_at(first_layer, corner.place), 1.0);
-        }
-        return vec4f(encode_srgb(textureSampleLevel(first_picture, smooth_sampler, corner.place, 0.0).rgb), 1.0);
-    }
-    if placement.second_layer == 1u {
-        return vec4f(layer_at(second_layer, corner.place), 1.0);
-    }
-    return vec4f(encode_srgb(textureSampleLevel(second_picture, smooth_sampler, corner.place, 0.0).rgb), 1.0);
+fn layer(corner: Corner) -> @location(0) vec4f {
+    let size = vec2f(textureDimensions(source));
+    return textureLoad(source, vec2u(min(corner.place * size, size - 1.0)), 0);
 }
 
 // A picture as it is, for an average: the blend weights it.
 @fragment
 fn copied(corner: Corner) -> @location(0) vec4f {
-    return textureLoad(first_picture, vec2u(corner.position.xy), 0);
+    return textureLoad(source, vec2u(corner.position.xy), 0);
 }

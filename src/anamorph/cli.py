@@ -1,4 +1,4 @@
-"""The command `anamorph`: reads arguments, calls the package, prints.
+"""The command `anamorph`: reads its arguments, calls the package, prints.
 
 Modules that draw are imported by the commands that need them, so that help and errors of usage come at once.
 """
@@ -11,8 +11,9 @@ import shlex
 import sys
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, NoReturn
+from typing import TYPE_CHECKING
 
+from anamorph.arguments import make_parser
 from anamorph.errors import AnamorphError
 from anamorph.output import PICTURES, check_directory, check_output, save_array, save_text
 from anamorph.progress import progress_bar
@@ -25,32 +26,15 @@ if TYPE_CHECKING:
 NOTEWORTHY = 0.005
 """The share of a picture's mirrors without an answer that a user is told of."""
 
-MOST_FRAMES = 300
-"""Of a benchmark: where every vertex is in each of them is kept ready."""
-
-SEEN = ("position", "object_id", "specular", "status", "deviation")
-
-EXAMPLES = """examples:
-  anamorph render car-mirror -o mirror.png
-  anamorph render model.glb -m environment -o model.png --size 1920x1080
-  anamorph render car-mirror -m pervertex:antialias=4,mipmaps=true -o mirror.webp --seen position=seen.npy
-  anamorph render car-mirror --tolerance 0.5 -o sure.png --seen status=status.npy deviation=deviation.npy
-  anamorph render mirror.step --scene car-mirror --faces 1 -o mirror.png
-  anamorph compare car-mirror -m pervertex -m environment --html report.html --json report.json
-  anamorph bench deforming
-  anamorph bench trilinear --output times
-  anamorph demo
-"""
-
 
 def main(argv: Sequence[str] | None = None) -> int:
     """Run one command and return the exit code: 0, 2 for what the user can mend, 130 when interrupted."""
     hush()
     given = list(sys.argv[1:] if argv is None else argv)
     try:
-        arguments = _parser().parse_args(given)
+        arguments = make_parser().parse_args(given)
         arguments.command_line = shlex.join(["anamorph", *given])
-        arguments.run(arguments)
+        COMMANDS[arguments.run](arguments)
         sys.stdout.flush()
     except AnamorphError as error:
         return _fail(str(error), 2)
@@ -258,142 +242,13 @@ def _check_distinct(*paths: Path) -> None:
             raise AnamorphError(f"{path}: is asked for twice; give every output its own name")
 
 
-class _Parser(argparse.ArgumentParser):
-    """Says what is wrong in one line, like every other error here."""
-
-    def error(self, message: str) -> NoReturn:
-        raise AnamorphError(f"{message}; see '{self.prog} --help'")
-
-
-class _Version(argparse.Action):
-    def __call__(self, parser: argparse.ArgumentParser, *_: object) -> NoReturn:
-        print(f"anamorph {versions()['anamorph']}")
-        parser.exit()
-
-
-def _size(text: str) -> tuple[int, int]:
-    width, _, height = text.partition("x")
-    if not (width.isascii() and width.isdigit() and height.isascii() and height.isdigit()):
-        raise argparse.ArgumentTypeError(f"'{text}' is no size; write it like 1024x768")
-    if int(width) < 1 or int(height) < 1:
-        raise argparse.ArgumentTypeError(f"'{text}' has no pixels; width and height start at 1")
-    return int(width), int(height)
-
-
-def _samples(text: str) -> int:
-    if not (text.isascii() and text.isdigit() and int(text) > 0):
-        raise argparse.ArgumentTypeError(f"'{text}' is no number of samples; write a whole number from 1")
-    return int(text)
-
-
-def _frames(text: str) -> int:
-    if not (text.isascii() and text.isdigit() and 0 < int(text) <= MOST_FRAMES):
-        raise argparse.ArgumentTypeError(f"'{text}' is no number of frames; write a whole number up to {MOST_FRAMES}")
-    return int(text)
-
-
-def _faces(text: str) -> tuple[int | str, ...]:
-    entries = [entry.strip() for entry in text.split(",")]
-    if not all(entries):
-        raise argparse.ArgumentTypeError(f"'{text}' names no faces; write numbers or names with commas, like 1,3")
-    return tuple(int(entry) if entry.isascii() and entry.isdigit() else entry for entry in entries)
-
-
-def _density(text: str) -> int:
-    if not (text.isascii() and text.isdigit() and int(text) > 0):
-        raise argparse.ArgumentTypeError(f"'{text}' is no density; write a whole number of cells along a face")
-    return int(text)
-
-
-def _seen(text: str) -> tuple[str, Path]:
-    name, equals, path = text.partition("=")
-    if name not in SEEN or not equals or not path:
-        raise argparse.ArgumentTypeError(f"'{text}' is no seen buffer; write NAME=FILE.npy with {', '.join(SEEN)}")
-    return name, Path(path)
-
-
-def _parser() -> argparse.ArgumentParser:
-    parser = _Parser(
-        prog="anamorph",
-        description="What an eye sees in a curved mirror, and how far from the truth.",
-        epilog=EXAMPLES,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
-        allow_abbrev=False,
-    )
-    parser.add_argument("--version", action=_Version, nargs=0, help="print the version and exit")
-    commands = parser.add_subparsers(metavar="COMMAND", required=True, dest="command")
-
-    def command(name: str, run: object, help: str) -> argparse.ArgumentParser:
-        added = commands.add_parser(name, help=help, description=help, allow_abbrev=False)
-        added.set_defaults(run=run)
-        return added
-
-    def cad(added: argparse.ArgumentParser) -> None:
-        group = added.add_argument_group("CAD files (.step, .stp, .iges, .igs)")
-        group.add_argument(
-            "--scene", metavar="SCENE", dest="mirror_of", help="put the CAD mirror where this scene has its own"
-        )
-        group.add_argument("--faces", metavar="1,3|NAME", type=_faces, help="only these faces, by number or name (all)")
-        group.add_argument("--density", metavar="N", type=_density, help="cells along the longer side of a face (24)")
-        group.add_argument("--flip", action="store_true", help="the other side of the faces is their outside")
-
-    scene = "a built-in scene, a scene file (.toml) or any model file (.glb, .gltf, .obj, .stl, .ply, .step, .iges)"
-    size = "size of the picture in pixels, like 1024x768"
-    method = "a method and its options: METHOD[:option=value,...]"
-
-    render = command("render", _render, "render a scene, or a model before a convex mirror, to a picture")
-    render.add_argument("scene", metavar="SCENE|MODEL", help=scene)
-    render.add_argument("-m", "--method", metavar="METHOD", help=method)
-    render.add_argument(
-        "-o", "--output", metavar="FILE", type=Path, required=True, help=f"the picture: {', '.join(PICTURES)}"
-    )
-    render.add_argument("--size", metavar="WxH", type=_size, help=size)
-    render.add_argument("--samples", metavar="N", type=_samples, default=1, help="N x N samples a pixel (1)")
-    tolerance = "trace what a method's own check finds off by more pixels than this (pervertex)"
-    render.add_argument("--tolerance", metavar="PX", type=float, help=tolerance)
-    render.add_argument(
-        "--seen",
-        metavar="NAME=FILE.npy",
-        type=_seen,
-        nargs="+",
-        action="extend",
-        default=[],
-        help=f"also save what each pixel sees: {', '.join(SEEN)}",
-    )
-
-    compare = command("compare", _compare, "measure methods against the ray-traced truth, and time them")
-    compare.add_argument("scene", metavar="SCENE", help=scene)
-    compare.add_argument("-m", "--method", metavar="METHOD", action="append", help=f"{method}; may be repeated (all)")
-    compare.add_argument("--size", metavar="WxH", type=_size, help=size)
-    compare.add_argument("--tolerance", metavar="PX", type=float, help=tolerance)
-    compare.add_argument("--json", metavar="FILE", type=Path, help="write the figures as JSON")
-    compare.add_argument("--html", metavar="FILE", type=Path, help="write one page with pictures, errors and figures")
-
-    bench = commands.add_parser("bench", help="time methods against the ray tracer", allow_abbrev=False)
-    benchmarks = bench.add_subparsers(metavar="BENCHMARK", required=True, dest="benchmark")
-
-    def benchmark(name: str, run: object, help: str) -> argparse.ArgumentParser:
-        added = benchmarks.add_parser(name, help=help, description=help, allow_abbrev=False)
-        added.set_defaults(run=run)
-        added.add_argument("-m", "--method", metavar="METHOD", action="append", help=f"{method}; may be repeated")
-        return added
-
-    deforming = benchmark("deforming", _bench_deforming, "time methods while a scene of 300,000 triangles deforms")
-    deforming.add_argument("--size", metavar="WxH", type=_size, help=size)
-    deforming.add_argument("--frames", metavar="N", type=_frames, default=30, help="how many frames are timed (30)")
-    trilinear = benchmark("trilinear", _bench_trilinear, "make the measurements of Vallance's thesis again")
-    trilinear.add_argument(
-        "--output", metavar="DIR", type=Path, default=Path("bench-output"), help="tables and plots (bench-output)"
-    )
-    trilinear.add_argument("--quick", action="store_true", help="small pictures and scenes: does it work?")
-    trilinear.add_argument(
-        "--part", metavar="PART", action="append", help="random, clipping, configurations, ...; may be repeated (all)"
-    )
-
-    cad(render)
-    cad(compare)
-    command("scenes", _scenes, "list the built-in scenes")
-    command("info", _info, "print the graphics adapter, the versions and the methods")
-    demo = command("demo", _demo, "render car-mirror by three methods, with a page that compares them")
-    demo.add_argument("--output", metavar="DIR", type=Path, default=Path("demo-output"), help="where to (demo-output)")
-    return parser
+COMMANDS = {
+    "render": _render,
+    "compare": _compare,
+    "bench deforming": _bench_deforming,
+    "bench trilinear": _bench_trilinear,
+    "scenes": _scenes,
+    "info": _info,
+    "demo": _demo,
+}
+"""What runs, by the name that the arguments give it."""

@@ -254,11 +254,16 @@ def eye_of(top: Table, base: Scene | None) -> Camera:
         if base is None:
             top.wrong(None, "needs an [eye] with position and target")
         return base.camera
+    return camera_of(table, base.camera if base else None)
+
+
+def camera_of(table: Table, default: Camera | None = None) -> Camera:
+    """The camera that a table describes; without a default it must say where the eye is, and where it looks."""
     table.only("position", "target", "up", "field_of_view")
-    if base is None:
+    if default is None:
         table.required("position")
         table.required("target")
-    default = base.camera if base else Camera((0.0, 0.0, 0.0), (0.0, 0.0, -1.0))
+        default = Camera((0.0, 0.0, 0.0), (0.0, 0.0, -1.0))
     return Camera(
         position=table.vector("position", default.position),
         target=table.vector("target", default.target),

@@ -45,9 +45,12 @@ def linear_texture(colors: np.ndarray) -> wgpu.GPUTexture:
     return texture
 
 
-def composed(halves: tuple[Shown, ...], size: tuple[int, int], divider: float = 0.5) -> np.ndarray:
+def composed(
+    halves: tuple[Shown, ...], size: tuple[int, int], divider: float = 0.5, corner: tuple[int, int] = (0, 0)
+) -> np.ndarray:
     """The canvas (H, W, 3), 0 to 1 in sRGB."""
-    target = make_texture(size, COLOR_FORMAT)
+    left, top = corner
+    target = make_texture((left + size[0], top + size[1]), COLOR_FORMAT)
     encoder = get_device().create_command_encoder()
     attachment = {
         "view": target.create_view(),
@@ -56,7 +59,7 @@ def composed(halves: tuple[Shown, ...], size: tuple[int, int], divider: float = 
         "store_op": "store",
     }
     render_pass = encoder.begin_render_pass(color_attachments=[attachment])
-    Composer(COLOR_FORMAT).draw(render_pass, halves, size, divider)
+    Composer(COLOR_FORMAT).draw(render_pass, halves, (*corner, *size), divider)
     render_pass.end()
     get_device().queue.submit([encoder.finish()])
     return read_texture(target)[..., :3].astype(float)
@@ -126,6 +129,8 @@ def test_the_canvas_shows_each_half_in_its_place_as_srgb() -> None:
     canvas = composed(shown, (12, 8), 1.0 / 3.0)
     wanted = encode_srgb(np.clip(np.where(np.arange(12)[:, None] < 4, first, second), 0.0, 1.0).astype(float))
     assert np.abs(canvas - wanted).max() < 1.0 / 255.0
+    moved = composed(shown, (12, 8), 1.0 / 3.0, corner=(5, 3))
+    assert np.array_equal(moved[3:, 5:], canvas) and not moved[:3].any() and not moved[:, :5].any()
     alone = composed(shown[:1], (12, 8), 0.25)
     assert np.abs(alone - encode_srgb(np.clip(first, 0.0, 1.0).astype(float))).max() < 1.0 / 255.0
 

@@ -78,24 +78,35 @@ class Composer:
         self,
         render_pass: wgpu.GPURenderPassEncoder,
         halves: tuple[Shown, ...],
-        size: tuple[int, int],
+        area: tuple[int, int, int, int],
         divider: float,
     ) -> None:
-        """Fill a canvas of `size` (width, height) with one half, or with two that meet at a share of its width."""
-        width, height = size
+        """Fill an area with one half, or with two that meet at a share of its width.
+
+        Parameters
+        ----------
+        render_pass
+        halves : tuple of Shown
+        area : (left, top, width, height)
+            In pixels of the canvas, at which the pass stays cut off.
+        divider : float
+        """
+        left, top, width, height = area
+        if width < 1 or height < 1:
+            return
+        render_pass.set_viewport(left, top, width, height, 0.0, 1.0)
         middle = round(width * divider) if len(halves) > 1 else width
-        spans = ((0, middle), (middle, width))
-        for half, bound, (left, right) in zip(halves, self._bound, spans, strict=False):
+        for half, bound, (start, stop) in zip(halves, self._bound, ((0, middle), (middle, width)), strict=False):
             shown = half.layer or half.picture
-            if shown is None or right <= left:
+            if shown is None or stop <= start:
                 continue
             sharp = shown.size[:2] == (width, height)
             name = "layer" if half.layer else "sharp_picture" if sharp else "blended_picture"
-            render_pass.set_scissor_rect(left, 0, right - left, height)
+            render_pass.set_scissor_rect(left + start, top, stop - start, height)
             render_pass.set_pipeline(self._pipelines[name])
             render_pass.set_bind_group(0, bound.group(shown))
             render_pass.draw(3)
-        render_pass.set_scissor_rect(0, 0, width, height)
+        render_pass.set_scissor_rect(left, top, width, height)
 
 
 class Average:

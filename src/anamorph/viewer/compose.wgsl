@@ -1,4 +1,4 @@
-// A half of the canvas: a picture in linear colour, or a layer of colours as they are. The pass is cut to the half.
+// A half of the picture's area: a picture in linear colour, or a layer of colours as they are.
 
 @group(0) @binding(0) var source: texture_2d<f32>;
 @group(0) @binding(1) var smooth_sampler: sampler;
@@ -19,10 +19,15 @@ fn encode_srgb(linear: vec3f) -> vec4f {
     return vec4f(select(1.055 * pow(inside, vec3f(1.0 / 2.4)) - 0.055, 12.92 * inside, inside <= vec3f(0.0031308)), 1.0);
 }
 
-// A picture with one pixel for each of the canvas.
+fn nearest(place: vec2f) -> vec4f {
+    let size = vec2f(textureDimensions(source));
+    return textureLoad(source, vec2u(min(place * size, size - 1.0)), 0);
+}
+
+// A picture with one pixel for each that it covers.
 @fragment
 fn sharp_picture(corner: Corner) -> @location(0) vec4f {
-    return encode_srgb(textureLoad(source, vec2u(corner.position.xy), 0).rgb);
+    return encode_srgb(nearest(corner.place).rgb);
 }
 
 // A picture of another size.
@@ -31,11 +36,10 @@ fn blended_picture(corner: Corner) -> @location(0) vec4f {
     return encode_srgb(textureSampleLevel(source, smooth_sampler, corner.place, 0.0).rgb);
 }
 
-// The nearest pixel of a layer: its colours are figures, which must not be blended.
+// A layer's colours are figures, which must not be blended.
 @fragment
 fn layer(corner: Corner) -> @location(0) vec4f {
-    let size = vec2f(textureDimensions(source));
-    return textureLoad(source, vec2u(min(corner.place * size, size - 1.0)), 0);
+    return nearest(corner.place);
 }
 
 // A picture as it is, for an average: the blend weights it.

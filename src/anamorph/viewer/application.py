@@ -2,34 +2,32 @@
 
 from __future__ import annotations
 
-import dataclasses
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from time import perf_counter
 from typing import Any
 
-import numpy as np
 import wgpu
 from rendercanvas.base import BaseRenderCanvas
-from wgpu.utils.imgui import ImguiRenderer
 
 from anamorph.errors import AnamorphError
-from anamorph.gpu.device import adapter_name, device_lost, forget_device, get_device
+from anamorph.gpu.device import adapter_name, device_lost, forget_device
 from anamorph.projection import camera_projection
 from anamorph.scene.model import Scene
-from anamorph.viewer.compose import Composer, Shown
 from anamorph.viewer.controls import edited
-from anamorph.viewer.facts import Facts, Inspection, Progress, Rectangle, Request
-from anamorph.viewer.gestures import FREE, Grip, cursor, handle
+from anamorph.viewer.facts import Facts, Inspection, Request
+from anamorph.viewer.gestures import NO_GRIP, cursor, handle
 from anamorph.viewer.home import Home
 from anamorph.viewer.inspection import inspect
-from anamorph.viewer.lines import LineRenderer
-from anamorph.viewer.opened import Opened
+from anamorph.viewer.layout import in_pixels, inside, picture_area
 from anamorph.viewer.panel import Drawn, draw_panel
+from anamorph.viewer.reports import report
 from anamorph.viewer.shortcuts import press
 from anamorph.viewer.showing import TRUTH, Showing
-from anamorph.viewer.space import Space
+from anamorph.viewer.space import Space, space_marks
+from anamorph.viewer.starting import Start
 from anamorph.viewer.state import State, looking_eye, shown_camera
-from anamorph.viewer.theme import set_theme
+from anamorph.viewer.surface import Surface
+from anamorph.viewer.tasks import Task, task_of
 
 SETTLING = 3
 """Frames after the last event: imgui needs them to show what it brought about."""
@@ -41,35 +39,6 @@ Later = Callable[[float, Callable[[], None]], object]
 """Has something called after so many seconds."""
 
 
-class Surface:
-    """What draws on one canvas: the halves, what is in space, and imgui."""
-
-    def __init__(self, canvas: BaseRenderCanvas) -> None:
-        self._context = canvas.get_wgpu_context()
-        # Colours come out of the shaders, and of imgui, as sRGB already.
-        form = self._context.get_preferred_format(get_device().adapter).removesuffix("-srgb")
-        self._context.configure(device=get_device(), format=form)
-        self.imgui = ImguiRenderer(get_device(), canvas)
-        set_theme()
-        self.composer = Composer(form)
-        self.lines = LineRenderer(form)
-
-    def draw(self, halves: tuple[Shown, ...], divider: float, clip: np.ndarray, size: tuple[int, int]) -> None:
-        """Everything but imgui, which comes over it."""
-        encoder = get_device().create_command_encoder()
-        attachment = {
-            "view": self._context.get_current_texture().create_view(),
-            "clear_value": (0.0, 0.0, 0.0, 1.0),
-            "load_op": "clear",
-            "store_op": "store",
-        }
-        render_pass = encoder.begin_render_pass(color_attachments=[attachment])
-        self.composer.draw(render_pass, halves, size, divider)
-        self.lines.draw(render_pass, clip, size)
-        render_pass.end()
-        get_device().queue.submit([encoder.finish()])
-
-
 class Viewer:
     """Shows a scene on a canvas, and does what its user does there.
 
@@ -77,22 +46,21 @@ class Viewer:
     ----------
     canvas : BaseRenderCanvas
         Of any backend.
-    opened : Opened
+    start : Start
     later : callable, optional
         The event loop's; without one, refining begins with the first frame in which nothing moves.
+
+    Attributes
+    ----------
+    state : State
+        What is shown; whoever sets another calls `refresh`.
+    frames : int
+        How many have been drawn.
     """
 
-    def __init__(self, canvas: BaseRenderCanvas, opened: Opened, later: Later | None = None) -> None:
+    def __init__(self, canvas: BaseRenderCanvas, start: Start, later: Later | None = None) -> None:
         self._canvas, self._later = canvas, later
-        self._grip: Grip = FREE
-        self._settling = SETTLING
-        self._changed_at = 0.0
-        self._frames = 0
-        self._drawn = Drawn(opened.state)
-        self._job: Iterator[Progress] | None = None
-        self._progress: Progress | None = None
-        self._surface = Surface(canvas)
-        self._surface.imgui.set_gui(self._draw_panel)
+        self._surface = self._new_surface()
         canvas.add_event_handler(self._place_pointer, "pointer_down", "pointer_up", order=-100)
         canvas.add_event_handler(
             self._on_pointer, "pointer_down", "pointer_move", "pointer_up", "wheel", "double_click"
@@ -100,85 +68,127 @@ class Viewer:
         canvas.add_event_handler(self._on_key, "key_down")
         canvas.add_event_handler(self._on_any, "key_up", "char", "resize", "pointer_leave")
         canvas.add_event_handler(self._on_close, "close")
-        self.open(opened)
+        self.frames = 0
+        self.open(start)
         canvas.request_draw(self._draw)
 
-    def open(self, opened: Opened) -> None:
+    def open(self, start: Start) -> None:
         """Show another scene, or say why there is none."""
-        self.opened = opened
-        self.state = opened.state
-        self._home = Home(opened.state, opened.scene)
-        self._scene, self._values = opened.scene, opened.state.values
-        self._showing = Showing()
-        self._space: Space | None = None
-        self._inspected: tuple[Any, Inspection] | None = None
-        self.message = opened.message
-        self._refresh()
+        self.start, self.state, self.message = start, start.state, start.message
+        self._home = Home(start.state, start.opened.scene)
+        self._scene = start.opened.scene
+        self._values: object = {}
+        self._grip, self._drawn, self._task = NO_GRIP, None, None
+        self._drawn: Drawn | None
+        self._task: Task | None
+        self._let_go()
+        self.refresh()
 
-    def close(self) -> None:
-        """Let go of everything on the device."""
-        self._end_job()
-        self._showing = Showing()
-        self._space = None
-
-    def _refresh(self) -> None:
+    def refresh(self) -> None:
+        """Draw again soon, because something may have changed."""
         self._settling = SETTLING
         self._canvas.request_draw()
+
+    def report(self) -> dict[str, Any]:
+        """What the viewer shows, and where: plain data, for scripts and tests."""
+        return report(self._facts(), self.state, self._drawn, self.frames, self._at_rest)
+
+    def close(self) -> None:
+        """Let go of everything on the device, and end what runs."""
+        if self._task is not None:
+            self._task.cancel()
+            self._task = None
+        self._let_go()
+
+    def _let_go(self) -> None:
+        self._showing, self._space, self._marked = Showing(), Space(self._scene), None
+        self._inspected: tuple[object, Inspection] | None = None
+        self._changed_at = 0.0
+
+    def _new_surface(self) -> Surface:
+        surface = Surface(self._canvas)
+        surface.imgui.set_gui(self._draw_panel)
+        return surface
 
     def _place_pointer(self, event: dict[str, Any]) -> None:
         """A press comes before the move that led to it, and imgui takes its place from moves alone."""
         self._surface.imgui.backend.io.add_mouse_pos_event(event["x"], event["y"])
 
     def _on_any(self, event: dict[str, Any]) -> None:
-        self._refresh()
+        self.refresh()
 
     def _on_close(self, event: dict[str, Any]) -> None:
         self.close()
 
     def _on_pointer(self, event: dict[str, Any]) -> None:
-        self._refresh()
-        starts = event["event_type"] not in ("pointer_move", "pointer_up")
-        if self._grip == FREE and starts and _inside(event["x"], event["y"], self._drawn.covered):
+        self.refresh()
+        follows = event["event_type"] in ("pointer_move", "pointer_up")
+        covered = self._drawn.covered if self._drawn else ()
+        if not follows and any(inside(event["x"], event["y"], area) for area in covered):
             return
-        size = self._canvas.get_logical_size()
-        self._grip, self.state = handle(event, self._grip, self.state, size, self._home)
-        self._canvas.set_cursor(cursor(event, self._grip, self.state, size))
+        left, top, right, bottom = self._area
+        size = right - left, bottom - top
+        within = _moved(event, -left, -top)
+        self._grip, self.state = handle(within, self._grip, self.state, size, self._home)
+        self._canvas.set_cursor(cursor(within, self.state, size, self._grip))
 
     def _on_key(self, event: dict[str, Any]) -> None:
-        self._refresh()
-        if self._surface.imgui.backend.io.want_text_input:
+        self.refresh()
+        if self._drawn is not None and self._drawn.typing:
             return
         self.state, requests = press(event, self.state, self._home)
-        for request in requests:
-            self._obey(request)
+        self._obey(requests)
+
+    @property
+    def _area(self) -> tuple[float, float, float, float]:
+        return picture_area(self._canvas.get_logical_size(), self.state.panel)
+
+    @property
+    def _pixels(self) -> tuple[int, int, int, int]:
+        """Left, top, width and height of the picture on the canvas."""
+        return in_pixels(self._area, self._canvas.get_pixel_ratio())
+
+    @property
+    def _at_rest(self) -> bool:
+        """Whether nothing is left to refine."""
+        return self._showing.finished
 
     def _draw(self) -> None:
         """One frame: whatever is due, and then the canvas."""
         try:
             self._advance()
             self._paint()
-        except (wgpu.GPUError, RuntimeError) as error:
+        except wgpu.GPUError as error:
             self._recover(error)
-        self._frames += 1
+        self.frames += 1
         if self._settling > 0:
             self._settling -= 1
             self._canvas.request_draw()
 
+    def _recover(self, error: Exception) -> None:
+        """Go on with a new device where the old one is lost; else say what it refused."""
+        self.message = f"the graphics device failed: {' '.join(str(error).split())[:200]}"
+        if device_lost() is not None:
+            forget_device()
+            self._surface = self._new_surface()
+        self._let_go()
+
     def _advance(self) -> None:
         """Draw what has moved; else take one step of what is to be done at rest."""
-        scene = self._edited_scene()
-        size = self._canvas.get_physical_size()
-        now = perf_counter()
+        scene, size, now = self._edited_scene(), self._pixels[2:], perf_counter()
         if not scene.meshes or min(size) < 1:
             return
         if self._showing.update(scene, self.state, size):
             self._changed_at = now
             self._wake(REST_DELAY)
-        elif self._later is None or now - self._changed_at >= REST_DELAY:
-            if self._step_job() | self._showing.rest():
-                self._canvas.request_draw()
-        elif self._settling == 0:
-            self._wake(REST_DELAY - (now - self._changed_at))
+            return
+        if self._task is not None:
+            self._step(self._task)
+        waited = now - self._changed_at
+        if self._later is not None and waited < REST_DELAY:
+            return
+        if self._showing.rest():
+            self._canvas.request_draw()
 
     def _wake(self, seconds: float) -> None:
         if self._later is None:
@@ -187,63 +197,90 @@ class Viewer:
             self._later(seconds, self._canvas.request_draw)
 
     def _paint(self) -> None:
-        width, height = self._canvas.get_physical_size()
-        camera = shown_camera(self.state)
-        if self._scene.meshes:
-            if self._space is None or self._space.scene is not self._scene:
-                self._space = Space(self._scene)
-            eye = looking_eye(self.state)
-            self._surface.lines.upload(self._space.marks(self.state, eye, (width, height), self._inspection()))
-        clip = camera_projection(camera, (width, height)).clip
-        self._surface.draw(self._showing.halves, self.state.divider, clip, (width, height))
+        pixels = self._pixels
+        if self._scene.meshes and min(pixels[2:]) > 0:
+            self._mark(pixels[2:])
+        clip = camera_projection(shown_camera(self.state), (max(pixels[2], 1), max(pixels[3], 1))).clip
+        ratio = self._canvas.get_pixel_ratio()
+        self._surface.draw(self._showing.halves, self.state.divider, pixels, clip, ratio)
         self._surface.imgui.render()
+
+    def _mark(self, size: tuple[int, int]) -> None:
+        """Put into space what is to be drawn there, where that has changed."""
+        inspection, looking = self._inspect(size), looking_eye(self.state)
+        marked = (self._scene, self.state.drawings, self.state.observer, self.state.first, looking, size, inspection)
+        if marked != self._marked:
+            self._marked = marked
+            self._surface.lines.upload(space_marks(self._space, self.state, looking, size, inspection))
 
     def _draw_panel(self) -> None:
         self._drawn = draw_panel(self.state, self._facts())
         if self._drawn.state != self.state:
             self.state = self._drawn.state
-            self._refresh()
-        for request in self._drawn.requests:
-            self._obey(request)
+            self.refresh()
+        self._obey(self._drawn.requests)
 
     def _edited_scene(self) -> Scene:
         """The scene with what its controls have been set to; where that cannot be, the last one that could."""
         if self.state.values != self._values:
             self._values = self.state.values
             try:
-                self._scene = edited(self.opened.scene, self._values)
+                self._scene = edited(self.start.opened.scene, self.state.values)
+                self._space = Space(self._scene)
                 self.message = ""
             except AnamorphError as error:
                 self.message = str(error)
         return self._scene
 
-    def _inspection(self) -> Inspection | None:
-        """What is seen at the picked pixel, once its frames are there."""
+    def _inspect(self, size: tuple[int, int]) -> Inspection | None:
+        """What is seen at the picked pixel, once its frames are there; until then, what was seen there last."""
         if self.state.picked is None:
             self._inspected = None
             return None
-        first, second = self.state.first.method, self.state.second.method
         x, y = self.state.picked
-        method = second if self.state.split and x >= self.state.divider else first
-        frames, measured = self._showing.frames, self._showing.measured
-        if self._showing.at_rest and method in measured:
-            key = (self.state.picked, measured[method])
+        right = self.state.split and x >= self.state.divider
+        method = (self.state.second if right else self.state.first).method
+        measured = self._showing.measured.get(method)
+        if self._showing.at_rest and measured is not None:
+            key = self.state.picked, measured
             if self._inspected is None or self._inspected[0] != key:
-                size = self._canvas.get_physical_size()
                 pixel = min(int(x * size[0]), size[0] - 1), min(int(y * size[1]), size[1] - 1)
-                camera = shown_camera(self.state)
-                found = inspect(self._scene, camera, size, pixel, method, measured[method])
+                camera, frames = shown_camera(self.state), self._showing.frames
+                found = inspect(
+                    self._space, camera, size, pixel, method, frames[method], frames[TRUTH], measured.maps
+                )
                 self._inspected = key, found
         return self._inspected[1] if self._inspected else None
 
+    def _obey(self, requests: tuple[Request, ...]) -> None:
+        """Begin what was asked for: one thing after the other, so that no two write at once."""
+        for request in requests:
+            if request is Request.CANCEL:
+                if self._task is not None:
+                    self.message = self._task.cancel()
+                    self._task = None
+            elif self._task is None:
+                self._task = task_of(request, self.start.opened, self._scene, self.state, self._showing, self._pixels[2:])
+            self.refresh()
+
+    def _step(self, task: Task) -> None:
+        try:
+            message = task.step()
+        except (AnamorphError, OSError) as error:
+            message = str(error)
+        if message is not None:
+            self.message, self._task = message, None
+        self.refresh()
+
     def _facts(self) -> Facts:
-        showing = self._showing
+        showing, width_height = self._showing, self._pixels[2:]
         measured = [showing.measured.get(half.method) for half in self.state.halves]
+        width, height = self._canvas.get_logical_size()
         return Facts(
-            scene=self.opened.scene,
-            size=self._canvas.get_logical_size(),
+            scene=self.start.opened.scene,
+            size=(round(width), round(height)),
             picture=showing.picture,
-            full=self._canvas.get_physical_size(),
+            full=(max(width_height[0], 0), max(width_height[1], 0)),
             adapter=adapter_name(),
             frame_ms=showing.frame_ms,
             phases_ms=showing.phases,
@@ -252,24 +289,16 @@ class Viewer:
             figures=tuple(each.figures if each else None for each in measured),
             inspection=self._inspected[1] if self._inspected else None,
             message=" ".join(filter(None, (self.message, *showing.failures))),
-            progress=self._progress,
+            progress=self._task.progress if self._task else None,
         )
 
-    def report(self) -> dict[str, Any]:
-        """What the viewer shows, and where: plain data, for scripts and tests."""
-        facts = self._facts()
-        told = {name: getattr(facts, name) for name in ("picture", "full", "size", "adapter", "frame_ms", "message")}
-        return {
-            "scene": facts.scene.name,
-            "state": dataclasses.asdict(self.state) | {"drawings": sorted(self.state.drawings)},
-            "rectangles": dict(self._drawn.rectangles),
-            "covered": list(self._drawn.covered),
-            "frames": self._frames,
-            "at_rest": self._showing.at_rest and facts.samples_done >= facts.samples_total,
-            "samples_done": facts.samples_done,
-            "phases_ms": dict(facts.phases_ms),
-            "inspection": facts.inspection and dataclasses.asdict(facts.inspection),
-            "figures": [each and dataclasses.asdict(each) for each in facts.figures],
-            "progress": facts.progress and dataclasses.asdict(facts.progress),
-            **told,
+
+def _moved(event: dict[str, Any], right: float, down: float) -> dict[str, Any]:
+    """A pointer event with its places moved, its touches' too."""
+    moved = {**event, "x": event["x"] + right, "y": event["y"] + down}
+    if event.get("touches"):
+        moved["touches"] = {
+            name: {**touch, "x": touch["x"] + right, "y": touch["y"] + down}
+            for name, touch in event["touches"].items()
         }
+    return moved

@@ -59,6 +59,8 @@ class Showing:
     frame_ms : float
         What the last frame that moved took.
     samples_done : int
+    finished : bool
+        Whether nothing is left to refine.
     """
 
     def __init__(self) -> None:
@@ -76,6 +78,7 @@ class Showing:
         self.picture: Size = (0, 0)
         self.frame_ms = 0.0
         self.samples_done = 0
+        self.finished = False
 
     def update(self, scene: Scene, state: State, size: Size) -> bool:
         """Draw at once what has moved, or begin anew with the rest; tells whether anything has."""
@@ -86,7 +89,7 @@ class Showing:
             return False
         if scene is not self._scene:
             self._scene, self._pictures = scene, {}
-        self._pictured, self._detailed = pictured, detailed
+        self._pictured, self._detailed, self.finished = pictured, detailed, False
         if moved:
             self._move()
         for number, half in enumerate((state.first, state.second)):
@@ -96,7 +99,8 @@ class Showing:
 
     def rest(self) -> bool:
         """Take one step of refinement; tells whether there was one."""
-        return next(self._steps, self) is not self
+        self.finished = next(self._steps, self) is self
+        return not self.finished
 
     @property
     def halves(self) -> tuple[Shown, ...]:

@@ -104,7 +104,7 @@ class Grip:
     touches: Mapping[str, Point] = field(default_factory=dict)
 
 
-NO_GRIP = Grip()
+FREE = Grip()
 
 
 def handle(event: Event, grip: Grip, state: State, size: Size, home: Home) -> tuple[Grip, State]:
@@ -114,7 +114,7 @@ def handle(event: Event, grip: Grip, state: State, size: Size, home: Home) -> tu
     ----------
     event : mapping
     grip : Grip
-        What is held before it; `NO_GRIP` at first.
+        What is held before it; `FREE` at first.
     state : State
     size : (width, height)
         Of the canvas, logical pixels.
@@ -136,11 +136,11 @@ def handle(event: Event, grip: Grip, state: State, size: Size, home: Home) -> tu
         case "wheel":
             return grip, _wheel(event, state, size)
         case "double_click" if event.get("button", LEFT) == LEFT:
-            return NO_GRIP, _double_click(event, state, size, home)
+            return FREE, _double_click(event, state, size, home)
     return grip, state
 
 
-def cursor(event: Event, state: State, size: Size, grip: Grip = NO_GRIP) -> str:
+def cursor(event: Event, state: State, size: Size, grip: Grip = FREE) -> str:
     """The name of the cursor to show at a pointer event."""
     over = grip.held is Held.NOTHING and "x" in event and _on_divider(_point(event), state, size)
     return "ew_resize" if over or grip.held is Held.DIVIDER else "default"
@@ -181,7 +181,7 @@ def _move(event: Event, grip: Grip, state: State, size: Size) -> tuple[Grip, Sta
     if grip.held is Held.NOTHING:
         return grip, state
     if grip.button not in event.get("buttons", ()) and not touches:
-        return NO_GRIP, state
+        return FREE, state
     if grip.held is Held.DIVIDER:
         return _divided(grip, state, point, size)
     if not grip.dragged and _apart(point, grip.start) <= CLICK_REACH:
@@ -198,8 +198,8 @@ def _up(event: Event, grip: Grip, state: State, size: Size) -> tuple[Grip, State
     point = _point(event)
     plain = grip.held is Held.ORBIT and event.get("button", LEFT) == grip.button
     if plain and not grip.dragged and _apart(point, grip.start) <= CLICK_REACH:
-        return NO_GRIP, _picked(state, point, size)
-    return NO_GRIP, state
+        return FREE, _picked(state, point, size)
+    return FREE, state
 
 
 def _wheel(event: Event, state: State, size: Size) -> State:

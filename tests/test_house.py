@@ -14,7 +14,7 @@ ROOT = Path(__file__).resolve().parents[1]
 PACKAGE = ROOT / "src" / "anamorph"
 MODULES = sorted(PACKAGE.rglob("*.py"))
 
-FOUNDATIONS = {"errors", "interrupt", "compiled", "output", "progress", "quiet", "srgb", "versions", "video"}
+FOUNDATIONS = {"errors", "interrupt", "compiled", "output", "progress", "quiet", "srgb", "steps", "versions", "video"}
 """Modules that know nothing of scenes or pictures; every room may use them, and they use only each other."""
 
 BELOW: dict[str, set[str]] = {

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Generator, Sequence
 from dataclasses import asdict, dataclass, replace
 from typing import Any
 
@@ -11,11 +11,12 @@ from anamorph.frame import Frame, View
 from anamorph.gpu.device import adapter_name
 from anamorph.measure.errors import Errors, measure
 from anamorph.measure.status import status_shares
-from anamorph.measure.timing import Timing, eye_path, time_in_turn
+from anamorph.measure.timing import Timing, eye_path, timing_rounds
 from anamorph.methods import parse
 from anamorph.methods.protocol import Session
 from anamorph.scene.model import Scene
 from anamorph.scene.scenefile import DEFAULT_SIZE
+from anamorph.steps import Step, drain
 from anamorph.versions import versions
 
 COMPETITOR = "raytrace"
@@ -137,28 +138,43 @@ def compare(
     -------
     Comparison
     """
+    steps = comparison_steps(scene, specs, size, truth, frames, command)
+    return drain(steps, progress or (lambda done, total, what: None))
+
+
+def comparison_steps(
+    scene: Scene,
+    specs: Sequence[str],
+    size: tuple[int, int] = DEFAULT_SIZE,
+    truth: str = "raytrace",
+    frames: int = 30,
+    command: str = "",
+) -> Generator[Step, None, Comparison]:
+    """The same step by step, for whoever has more to do meanwhile; parameters as for `compare`.
+
+    What is drawn elsewhere between two steps must have finished before the next, or it would count as a method's time.
+    """
     names = tuple(dict.fromkeys((*specs, COMPETITOR)))
     chosen = {name: parse(name) for name in (*names, truth)}
-    tell = progress or (lambda done, total, what: None)
     total = 2 * len(names) + 1
     view = View(scene, scene.camera, size)
 
-    tell(0, total, f"truth by {truth}")
-    sessions = {name: method.open(view, options) for name, (method, options) in chosen.items()}
+    sessions: dict[str, Session] = {}
+    for name, (method, options) in chosen.items():
+        yield 0, total, f"opening {name}"
+        sessions[name] = method.open(view, options)
+    yield 0, total, f"truth by {truth}"
     truth_frame = _frame(sessions[truth], view)
     drawn: dict[str, tuple[Frame, Errors]] = {}
     for step, name in enumerate(names, start=1):
-        tell(step, total, f"errors of {name}")
+        yield step, total, f"errors of {name}"
         frame = truth_frame if name == truth else _frame(sessions[name], view)
         drawn[name] = frame, measure(truth_frame, frame)
 
-    def tell_round(done: int, rounds: int) -> None:
-        step = len(names) + 1 + len(names) * done // rounds
-        tell(step, total, f"frame times, round {done} of {rounds}")
-
     # Under a name that no method has.
     timed = {name: sessions[name] for name in names} | _without_mirrors(view)
-    timings = time_in_turn(timed, eye_path(scene, frames), frames, tell_round)
+    rounds = timing_rounds(timed, eye_path(scene, frames), frames)
+    timings = yield from _told(rounds, len(names))
     return Comparison(
         scene=scene.name,
         size=size,
@@ -179,6 +195,18 @@ def _without_mirrors(view: View) -> dict[str, Session]:
         return {}
     method, options = parse(PLAIN)
     return {"": method.open(replace(view, scene=left), options)}
+
+
+def _told(
+    rounds: Generator[tuple[int, int], None, dict[str, Timing]], names: int
+) -> Generator[Step, None, dict[str, Timing]]:
+    """Rounds of timing as the last steps of a comparison of so many methods: they count as one for each."""
+    while True:
+        try:
+            done, number = next(rounds)
+        except StopIteration as end:
+            return end.value
+        yield names + 1 + names * done // number, 2 * names + 1, f"frame times, round {done} of {number}"
 
 
 def _frame(session: Session, view: View) -> Frame:

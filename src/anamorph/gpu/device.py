@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import tempfile
 from collections.abc import Callable
-from functools import cache
+from functools import lru_cache
 from typing import Any, ParamSpec, TypeVar
 
 from anamorph.errors import AnamorphError
@@ -31,9 +31,18 @@ _forgetful: list[Any] = []
 
 def of_device(make: Callable[_Given, _Made]) -> Callable[_Given, _Made]:
     """Make once what lives on the device, as `functools.cache` does, until the device is forgotten."""
-    remembered = cache(make)
-    _forgetful.append(remembered)
-    return remembered  # type: ignore[return-value]
+    return of_device_last(None)(make)
+
+
+def of_device_last(count: int | None) -> Callable[[Callable[_Given, _Made]], Callable[_Given, _Made]]:
+    """Like `of_device`, for what is large: only the `count` that were asked for last are kept."""
+
+    def remembering(make: Callable[_Given, _Made]) -> Callable[_Given, _Made]:
+        remembered = lru_cache(count)(make)
+        _forgetful.append(remembered)
+        return remembered  # type: ignore[return-value]
+
+    return remembering
 
 
 @of_device

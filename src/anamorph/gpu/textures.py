@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-from functools import lru_cache
-
 import numpy as np
 import wgpu
 from PIL import Image
 
 from anamorph.errors import AnamorphError
-from anamorph.gpu.device import get_device, maximum_size
+from anamorph.gpu.device import get_device, maximum_size, of_device_last
 from anamorph.scene.model import Texture
 from anamorph.srgb import decode_srgb, encode_srgb
 
@@ -64,7 +62,7 @@ def _upload(layers: list[np.ndarray]) -> wgpu.GPUTexture:
     return texture
 
 
-@lru_cache(maxsize=KEPT)
+@of_device_last(KEPT)
 def texture_array(textures: tuple[Texture, ...]) -> wgpu.GPUTexture:
     """Layer 0 white, then each texture, resampled to one common square size; texture coordinates stay as they are."""
     most = get_device().limits["max-texture-array-layers"] - 1
@@ -85,7 +83,7 @@ def _resized(pixels: np.ndarray, size: tuple[int, int]) -> np.ndarray:
     return np.asarray(opaque.convert("RGBA"))
 
 
-@lru_cache(maxsize=KEPT)
+@of_device_last(KEPT)
 def sky_texture(image: Texture | None) -> wgpu.GPUTexture:
     """The sky's image, inside the device's limit, or one white pixel where there is none."""
     if image is None:

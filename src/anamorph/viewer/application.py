@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from pathlib import Path
 from time import perf_counter
 from typing import Any
 
+import numpy as np
 import wgpu
 from rendercanvas.base import BaseRenderCanvas
 
@@ -14,20 +16,21 @@ from anamorph.gpu.device import adapter_name, device_lost, forget_device
 from anamorph.projection import camera_projection
 from anamorph.scene.model import Scene
 from anamorph.viewer.controls import edited
-from anamorph.viewer.facts import Facts, Inspection, Request
+from anamorph.viewer.facts import Facts, Inspection, Progress, Request
 from anamorph.viewer.gestures import NO_GRIP, cursor, handle
 from anamorph.viewer.home import Home
 from anamorph.viewer.inspection import inspect
 from anamorph.viewer.layout import in_pixels, inside, picture_area
 from anamorph.viewer.panel import Drawn, draw_panel
 from anamorph.viewer.reports import report
+from anamorph.viewer.saving import Saving
 from anamorph.viewer.shortcuts import press
 from anamorph.viewer.showing import TRUTH, Showing
 from anamorph.viewer.space import Space, space_marks
 from anamorph.viewer.starting import Start
-from anamorph.viewer.state import State, looking_eye, shown_camera
+from anamorph.viewer.state import looking_eye, shown_camera
 from anamorph.viewer.surface import Surface
-from anamorph.viewer.tasks import Task, task_of
+from anamorph.viewer.tasks import Shot, saving_of
 
 SETTLING = 3
 """Frames after the last event: imgui needs them to show what it brought about."""
@@ -60,6 +63,8 @@ class Viewer:
 
     def __init__(self, canvas: BaseRenderCanvas, start: Start, later: Later | None = None) -> None:
         self._canvas, self._later = canvas, later
+        self._saving: Saving | None = None
+        self._progress: Progress | None = None
         self._surface = self._new_surface()
         canvas.add_event_handler(self._place_pointer, "pointer_down", "pointer_up", order=-100)
         canvas.add_event_handler(
@@ -78,10 +83,9 @@ class Viewer:
         self._home = Home(start.state, start.opened.scene)
         self._scene = start.opened.scene
         self._values: object = {}
-        self._grip, self._drawn, self._task = NO_GRIP, None, None
-        self._drawn: Drawn | None
-        self._task: Task | None
-        self._let_go()
+        self._grip = NO_GRIP
+        self._drawn: Drawn | None = None
+        self.close()
         self.refresh()
 
     def refresh(self) -> None:
@@ -95,13 +99,9 @@ class Viewer:
 
     def close(self) -> None:
         """Let go of everything on the device, and end what runs."""
-        if self._task is not None:
-            self._task.cancel()
-            self._task = None
-        self._let_go()
-
-    def _let_go(self) -> None:
-        self._showing, self._space, self._marked = Showing(), Space(self._scene), None
+        self._stop_saving()
+        self._showing, self._space = Showing(), Space(self._scene)
+        self._marked: object = None
         self._inspected: tuple[object, Inspection] | None = None
         self._changed_at = 0.0
 
@@ -171,7 +171,7 @@ class Viewer:
         if device_lost() is not None:
             forget_device()
             self._surface = self._new_surface()
-        self._let_go()
+        self.close()
 
     def _advance(self) -> None:
         """Draw what has moved; else take one step of what is to be done at rest."""
@@ -182,8 +182,8 @@ class Viewer:
             self._changed_at = now
             self._wake(REST_DELAY)
             return
-        if self._task is not None:
-            self._step(self._task)
+        if self._saving is not None:
+            self._save(self._saving)
         waited = now - self._changed_at
         if self._later is not None and waited < REST_DELAY:
             return
@@ -202,7 +202,7 @@ class Viewer:
             self._mark(pixels[2:])
         clip = camera_projection(shown_camera(self.state), (max(pixels[2], 1), max(pixels[3], 1))).clip
         ratio = self._canvas.get_pixel_ratio()
-        self._surface.draw(self._showing.halves, self.state.divider, pixels, clip, ratio)
+        self._surface.draw(pixels, self._showing.halves, self.state.divider, clip, ratio)
         self._surface.imgui.render()
 
     def _mark(self, size: tuple[int, int]) -> None:
@@ -211,7 +211,7 @@ class Viewer:
         marked = (self._scene, self.state.drawings, self.state.observer, self.state.first, looking, size, inspection)
         if marked != self._marked:
             self._marked = marked
-            self._surface.lines.upload(space_marks(self._space, self.state, looking, size, inspection))
+            self._surface.mark(space_marks(self._space, self.state, looking, size, inspection))
 
     def _draw_panel(self) -> None:
         self._drawn = draw_panel(self.state, self._facts())
@@ -246,31 +246,44 @@ class Viewer:
             if self._inspected is None or self._inspected[0] != key:
                 pixel = min(int(x * size[0]), size[0] - 1), min(int(y * size[1]), size[1] - 1)
                 camera, frames = shown_camera(self.state), self._showing.frames
-                found = inspect(
-                    self._space, camera, size, pixel, method, frames[method], frames[TRUTH], measured.maps
-                )
+                found = inspect(self._space, camera, size, pixel, method, frames[method], frames[TRUTH], measured.maps)
                 self._inspected = key, found
         return self._inspected[1] if self._inspected else None
 
     def _obey(self, requests: tuple[Request, ...]) -> None:
-        """Begin what was asked for: one thing after the other, so that no two write at once."""
+        """Begin what was asked for: one thing after the other, so that no two take each other's time."""
         for request in requests:
             if request is Request.CANCEL:
-                if self._task is not None:
-                    self.message = self._task.cancel()
-                    self._task = None
-            elif self._task is None:
-                self._task = task_of(request, self.start.opened, self._scene, self.state, self._showing, self._pixels[2:])
+                self.message = "stopped" if self._saving is not None else self.message
+                self._stop_saving()
+            elif self._saving is None and self._scene.meshes:
+                size = self._pixels[2:]
+                shot = Shot(self.start.opened, self._scene, self.state, size, self._showing, self._picture)
+                self._saving = saving_of(request, shot, Path.cwd())
             self.refresh()
 
-    def _step(self, task: Task) -> None:
+    def _save(self, saving: Saving) -> None:
+        """Take one step of what is being saved."""
         try:
-            message = task.step()
+            self._progress = next(saving)
+        except StopIteration as end:
+            self.message = end.value
+            self._stop_saving()
         except (AnamorphError, OSError) as error:
-            message = str(error)
-        if message is not None:
-            self.message, self._task = message, None
+            self.message = str(error)
+            self._stop_saving()
         self.refresh()
+
+    def _stop_saving(self) -> None:
+        if self._saving is not None:
+            self._saving.close()
+        self._saving, self._progress = None, None
+
+    def _picture(self) -> np.ndarray:
+        """The picture as it is shown, without the panel, (H, W, 3) uint8 sRGB."""
+        size, ratio = self._pixels[2:], self._canvas.get_pixel_ratio()
+        clip = camera_projection(shown_camera(self.state), size).clip
+        return self._surface.picture(size, self._showing.halves, self.state.divider, clip, ratio)
 
     def _facts(self) -> Facts:
         showing, width_height = self._showing, self._pixels[2:]
@@ -289,7 +302,7 @@ class Viewer:
             figures=tuple(each.figures if each else None for each in measured),
             inspection=self._inspected[1] if self._inspected else None,
             message=" ".join(filter(None, (self.message, *showing.failures))),
-            progress=self._task.progress if self._task else None,
+            progress=self._progress,
         )
 
 
@@ -298,7 +311,6 @@ def _moved(event: dict[str, Any], right: float, down: float) -> dict[str, Any]:
     moved = {**event, "x": event["x"] + right, "y": event["y"] + down}
     if event.get("touches"):
         moved["touches"] = {
-            name: {**touch, "x": touch["x"] + right, "y": touch["y"] + down}
-            for name, touch in event["touches"].items()
+            name: {**touch, "x": touch["x"] + right, "y": touch["y"] + down} for name, touch in event["touches"].items()
         }
     return moved

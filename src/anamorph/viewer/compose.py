@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cache
 from importlib import resources
 from typing import Any
 
@@ -11,11 +10,8 @@ import numpy as np
 import wgpu
 
 from anamorph.gpu.bindings import SAMPLER, bind, layout_of, texture
-from anamorph.gpu.device import get_device
-from anamorph.gpu.targets import COLOR_FORMAT, make_texture
-
-LAYER_FORMAT = "rgba8unorm"
-
+from anamorph.gpu.device import get_device, of_device
+from anamorph.gpu.targets import COLOR_FORMAT, PIXEL_FORMAT, make_texture
 
 FRAGMENTS = ("sharp_picture", "blended_picture", "layer")
 
@@ -28,18 +24,18 @@ class Shown:
     layer: wgpu.GPUTexture | None = None
 
 
-@cache
+@of_device
 def _module() -> wgpu.GPUShaderModule:
     code = (resources.files("anamorph") / "viewer/compose.wgsl").read_text("utf-8")
     return get_device().create_shader_module(code=code)
 
 
-@cache
+@of_device
 def _layout() -> wgpu.GPUBindGroupLayout:
     return layout_of(texture(), SAMPLER)
 
 
-@cache
+@of_device
 def _sampler() -> wgpu.GPUSampler:
     return get_device().create_sampler(mag_filter="linear", min_filter="linear")
 
@@ -142,7 +138,7 @@ class Average:
         device.queue.submit([encoder.finish()])
 
 
-@cache
+@of_device
 def _averaging() -> wgpu.GPURenderPipeline:
     mixed = {"operation": "add", "src_factor": "constant", "dst_factor": "one-minus-constant"}
     return _pipeline("copied", {"format": COLOR_FORMAT, "blend": {"color": mixed, "alpha": mixed}})
@@ -160,7 +156,7 @@ class LayerTexture:
         device = get_device()
         if self.texture is None or self.texture.size[:2] != (width, height):
             usage = wgpu.TextureUsage.TEXTURE_BINDING | wgpu.TextureUsage.COPY_DST
-            self.texture = device.create_texture(size=(width, height, 1), format=LAYER_FORMAT, usage=usage)
+            self.texture = device.create_texture(size=(width, height, 1), format=PIXEL_FORMAT, usage=usage)
         device.queue.write_texture(
             {"texture": self.texture, "mip_level": 0, "origin": (0, 0, 0)},
             np.ascontiguousarray(colors),

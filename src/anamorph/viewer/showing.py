@@ -1,4 +1,4 @@
-"""What stands on the canvas: the halves' pictures and layers, coarse while things move, refined step by step at rest."""
+"""What stands on the canvas: the halves' pictures and layers, coarse while things move, refined at rest."""
 
 from __future__ import annotations
 

@@ -3,44 +3,45 @@
 from __future__ import annotations
 
 import numpy as np
+import wgpu
 from rendercanvas.base import BaseRenderCanvas
 from wgpu.utils.imgui import ImguiRenderer
 
 from anamorph.gpu.device import get_device
+from anamorph.gpu.targets import PIXEL_FORMAT, make_texture, read_texture
 from anamorph.viewer.compose import Composer, Shown
 from anamorph.viewer.lines import LineRenderer
+from anamorph.viewer.marks import Marks
 from anamorph.viewer.theme import set_theme
 
+Area = tuple[int, int, int, int]
+"""Left, top, width and height, in pixels."""
 
-class Surface:
-    """Of one canvas, on one device."""
 
-    def __init__(self, canvas: BaseRenderCanvas) -> None:
-        self._context = canvas.get_wgpu_context()
-        # Colours come out of the shaders, and of imgui, as sRGB already.
-        form = self._context.get_preferred_format(get_device().adapter).removesuffix("-srgb")
-        self._context.configure(device=get_device(), format=form)
-        self.imgui = ImguiRenderer(get_device(), canvas)
-        set_theme()
+class Painter:
+    """Draws halves, and marks over them, into textures of one `form`, which has no sRGB: the shaders encode colours."""
+
+    def __init__(self, form: str) -> None:
         self._composer = Composer(form)
         self.lines = LineRenderer(form)
 
     def draw(
         self,
+        target: wgpu.GPUTexture,
+        area: Area,
         halves: tuple[Shown, ...],
         divider: float,
-        area: tuple[int, int, int, int],
         clip: np.ndarray,
         ratio: float,
     ) -> None:
-        """Draw all but imgui.
+        """Draw the picture into an area of `target`, all else black.
 
         Parameters
         ----------
+        target : texture
+        area : Area
         halves, divider
             As for `Composer.draw`.
-        area : (left, top, width, height)
-            The picture's, in pixels of the canvas.
         clip : (4, 4) float64
             From world space to the clip space of the picture.
         ratio : float
@@ -48,7 +49,7 @@ class Surface:
         """
         encoder = get_device().create_command_encoder()
         attachment = {
-            "view": self._context.get_current_texture().create_view(),
+            "view": target.create_view(),
             "clear_value": (0.0, 0.0, 0.0, 1.0),
             "load_op": "clear",
             "store_op": "store",
@@ -59,3 +60,35 @@ class Surface:
             self.lines.draw(render_pass, clip, area[2:], ratio)
         render_pass.end()
         get_device().queue.submit([encoder.finish()])
+
+
+class Surface:
+    """A canvas, on one device."""
+
+    def __init__(self, canvas: BaseRenderCanvas) -> None:
+        self._context = canvas.get_wgpu_context()
+        form = self._context.get_preferred_format(get_device().adapter).removesuffix("-srgb")
+        self._context.configure(device=get_device(), format=form)
+        self.imgui = ImguiRenderer(get_device(), canvas)
+        set_theme()
+        self._painter = Painter(form)
+        self._marks: Marks | None = None
+
+    def mark(self, marks: Marks) -> None:
+        """Replace what is drawn into space."""
+        self._marks = marks
+        self._painter.lines.upload(marks)
+
+    def draw(self, area: Area, halves: tuple[Shown, ...], divider: float, clip: np.ndarray, ratio: float) -> None:
+        """Draw all but imgui: see `Painter.draw`."""
+        self._painter.draw(self._context.get_current_texture(), area, halves, divider, clip, ratio)
+
+    def picture(
+        self, size: tuple[int, int], halves: tuple[Shown, ...], divider: float, clip: np.ndarray, ratio: float
+    ) -> np.ndarray:
+        """The picture alone, as it is shown: (H, W, 3) uint8 sRGB."""
+        painter, target = Painter(PIXEL_FORMAT), make_texture(size, PIXEL_FORMAT)
+        if self._marks is not None:
+            painter.lines.upload(self._marks)
+        painter.draw(target, (0, 0, *size), halves, divider, clip, ratio)
+        return read_texture(target)[..., :3]

@@ -12,7 +12,7 @@ from rendercanvas import CursorShape
 from scenes import CAMERA, scene_with, spherical_mirror
 
 from anamorph.scene.camera import Camera
-from anamorph.viewer.gestures import DIVIDER_LIMITS, GESTURES, FREE, Held, cursor, handle
+from anamorph.viewer.gestures import DIVIDER_LIMITS, GESTURES, NO_GRIP, Held, cursor, handle
 from anamorph.viewer.home import Home
 from anamorph.viewer.navigation import FARTHEST, NARROWEST, NEAREST, OUTERMOST, WIDEST
 from anamorph.viewer.state import Half, State
@@ -37,7 +37,7 @@ def wheel(dy, x=400.0, y=300.0, modifiers=()):
     return {"event_type": "wheel", "x": x, "y": y, "dx": 0.0, "dy": dy, "buttons": (), "modifiers": modifiers}
 
 
-def played(events, state=STATE, grip=FREE):
+def played(events, state=STATE, grip=NO_GRIP):
     for event in events:
         grip, state = handle(event, grip, state, SIZE, HOME)
     return grip, state
@@ -67,7 +67,7 @@ def distance(camera):
 
 def test_a_drag_orbits_with_the_pointer_and_back():
     grip, state = played(drag((400, 300), (500, 300)))
-    assert grip == FREE and state.picked is None
+    assert grip == NO_GRIP and state.picked is None
     assert state.camera.target == CAMERA.target and distance(state.camera) == pytest.approx(distance(CAMERA))
     front = np.array(CAMERA.target) - 0.1 * CAMERA.axes()[2]
     assert shown(state.camera, front)[0] > shown(CAMERA, front)[0] + 1.0, "what is in front goes with the pointer"
@@ -138,7 +138,7 @@ def test_a_finger_that_joins_or_leaves_makes_no_jump():
     _, turned = played([pointer("move", 650, 500, touches={2: (650, 500)})], state, grip)
     assert turned.camera != CAMERA and turned.camera.target == CAMERA.target
     end, after = played([pointer("up", 700, 500, touches={2: (700, 500)})], state, grip)
-    assert end == FREE and after.picked is None
+    assert end == NO_GRIP and after.picked is None
 
 
 def test_one_finger_orbits_and_taps_pick():
@@ -164,7 +164,7 @@ def test_a_click_picks_its_pixel_and_again_drops_it():
 
 @pytest.mark.parametrize("way", [{"button": RIGHT}, {"button": MIDDLE}, {"button": 4}, {"modifiers": ("Shift",)}])
 def test_nothing_but_a_plain_click_picks(way):
-    assert played(drag((200, 150), (201, 150), **way)) == (FREE, STATE)
+    assert played(drag((200, 150), (201, 150), **way)) == (NO_GRIP, STATE)
 
 
 def test_a_drag_that_comes_back_is_no_click():
@@ -176,8 +176,8 @@ def test_the_divider_is_gripped_near_it_and_follows_within_limits():
     split = replace(STATE, split=True, divider=0.5)
     for start, ends, place in [(392, [192], 0.25), (408, [999, 608], 0.75), (400, [-900], 0.02), (400, [5000], 0.98)]:
         grip, state = played(drag((start, 300), *((x, 40) for x in ends)), split)
-        assert (grip, state) == (FREE, replace(split, divider=pytest.approx(place)))
-    assert played(drag((395, 300), (395, 300)), split) == (FREE, split), "a click there picks nothing"
+        assert (grip, state) == (NO_GRIP, replace(split, divider=pytest.approx(place)))
+    assert played(drag((395, 300), (395, 300)), split) == (NO_GRIP, split), "a click there picks nothing"
     for state in (replace(split, split=False), split):
         _, moved = played(drag((409, 300), (300, 300)), state)
         assert moved.camera != CAMERA and moved.divider == 0.5
@@ -232,7 +232,7 @@ def test_another_button_does_not_take_a_drag_over_nor_end_it():
         pointer("up", 550, 300),
     ]
     grip, state = played(events)
-    assert grip == FREE
+    assert grip == NO_GRIP
     assert state.camera.position == pytest.approx(played(drag((400, 300), (550, 300)))[1].camera.position)
 
 
@@ -261,7 +261,7 @@ events = st.one_of(
 @settings(max_examples=150)
 @given(st.lists(events, max_size=40), st.booleans(), st.booleans(), st.sampled_from([SIZE, (1, 1), (0, 0), (5000, 20)]))
 def test_no_order_of_events_breaks_anything(sequence, split, outside, size):
-    grip = FREE
+    grip = NO_GRIP
     state = replace(STATE, split=split, observer=Camera((3.0, 2.0, 3.0), (0.0, 0.5, 0.5)) if outside else None)
     for event in sequence:
         grip, state = handle(event, grip, state, size, HOME)

@@ -63,7 +63,7 @@ MOST_SPREAD = 4.0
 LEFT, RIGHT, MIDDLE = 1, 2, 3
 """Buttons."""
 
-Size = tuple[int, int]
+Size = tuple[float, float]
 Point = tuple[float, float]
 Event = Mapping[str, Any]
 
@@ -104,7 +104,7 @@ class Grip:
     touches: Mapping[str, Point] = field(default_factory=dict)
 
 
-FREE = Grip()
+NO_GRIP = Grip()
 
 
 def handle(event: Event, grip: Grip, state: State, size: Size, home: Home) -> tuple[Grip, State]:
@@ -114,7 +114,7 @@ def handle(event: Event, grip: Grip, state: State, size: Size, home: Home) -> tu
     ----------
     event : mapping
     grip : Grip
-        What is held before it; `FREE` at first.
+        What is held before it; `NO_GRIP` at first.
     state : State
     size : (width, height)
         Of the canvas, logical pixels.
@@ -136,11 +136,11 @@ def handle(event: Event, grip: Grip, state: State, size: Size, home: Home) -> tu
         case "wheel":
             return grip, _wheel(event, state, size)
         case "double_click" if event.get("button", LEFT) == LEFT:
-            return FREE, _double_click(event, state, size, home)
+            return NO_GRIP, _double_click(event, state, size, home)
     return grip, state
 
 
-def cursor(event: Event, state: State, size: Size, grip: Grip = FREE) -> str:
+def cursor(event: Event, state: State, size: Size, grip: Grip = NO_GRIP) -> str:
     """The name of the cursor to show at a pointer event."""
     over = grip.held is Held.NOTHING and "x" in event and _on_divider(_point(event), state, size)
     return "ew_resize" if over or grip.held is Held.DIVIDER else "default"
@@ -181,7 +181,7 @@ def _move(event: Event, grip: Grip, state: State, size: Size) -> tuple[Grip, Sta
     if grip.held is Held.NOTHING:
         return grip, state
     if grip.button not in event.get("buttons", ()) and not touches:
-        return FREE, state
+        return NO_GRIP, state
     if grip.held is Held.DIVIDER:
         return _divided(grip, state, point, size)
     if not grip.dragged and _apart(point, grip.start) <= CLICK_REACH:
@@ -198,8 +198,8 @@ def _up(event: Event, grip: Grip, state: State, size: Size) -> tuple[Grip, State
     point = _point(event)
     plain = grip.held is Held.ORBIT and event.get("button", LEFT) == grip.button
     if plain and not grip.dragged and _apart(point, grip.start) <= CLICK_REACH:
-        return FREE, _picked(state, point, size)
-    return FREE, state
+        return NO_GRIP, _picked(state, point, size)
+    return NO_GRIP, state
 
 
 def _wheel(event: Event, state: State, size: Size) -> State:

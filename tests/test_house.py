@@ -34,7 +34,7 @@ BELOW: dict[str, set[str]] = {
 }
 """What each room may import, besides itself and the foundations."""
 
-ON_TOP = {"__init__", "__main__", "arguments", "cli", "demo", "rendering"}
+ON_TOP = {"__init__", "__main__", "arguments", "cli", "demo", "rendering", "turntable"}
 """What may import anything, and what nothing below imports."""
 
 REGISTRIES = re.compile(

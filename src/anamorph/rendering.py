@@ -31,7 +31,7 @@ def draw_frame(view: View, specification: str, seen: bool = False, tell: Drawn =
 
 def accumulate(view: View, session: Session, seen: bool = False, tell: Drawn = lambda done, total: None) -> Frame:
     """Average the shifted pictures that `view.samples` asks for; seen buffers are those of pixel centres."""
-    color = drain(averaging(session, view.camera, view.samples), tell)
+    color = drain(averaging(session, view.camera, view.samples), lambda drawn: tell(*drawn))
     if not seen:
         return Frame(color, ray_mesh=isinstance(view.camera, RayMesh))
     if view.samples > 1:

@@ -15,7 +15,7 @@ MEMORY = 256 * 2**20
 """Bytes that the finest level of a scene's texture array may take."""
 
 KEPT = 2
-"""How many scenes' textures stay on the device: a scene in which only a mirror was turned is drawn without a new one."""
+"""Scenes whose textures stay on the device: one in which only a mirror was turned is drawn without new ones."""
 
 
 def mip_levels(pixels: np.ndarray) -> list[np.ndarray]:

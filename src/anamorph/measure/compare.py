@@ -16,7 +16,7 @@ from anamorph.methods import parse
 from anamorph.methods.protocol import Session
 from anamorph.scene.model import Scene
 from anamorph.scene.scenefile import DEFAULT_SIZE
-from anamorph.steps import Step, drain
+from anamorph.steps import Step, drain, retold
 from anamorph.versions import versions
 
 COMPETITOR = "raytrace"
@@ -139,7 +139,7 @@ def compare(
     Comparison
     """
     steps = comparison_steps(scene, specs, size, truth, frames, command)
-    return drain(steps, progress or (lambda done, total, what: None))
+    return drain(steps, lambda step: progress(*step) if progress else None)
 
 
 def comparison_steps(
@@ -173,8 +173,13 @@ def comparison_steps(
 
     # Under a name that no method has.
     timed = {name: sessions[name] for name in names} | _without_mirrors(view)
-    rounds = timing_rounds(timed, eye_path(scene, frames), frames)
-    timings = yield from _told(rounds, len(names))
+
+    def told(turn: tuple[int, int]) -> Step:
+        done, rounds = turn
+        step = len(names) + 1 + len(names) * done // rounds
+        return step, total, f"frame times, round {done} of {rounds}"
+
+    timings = yield from retold(timing_rounds(timed, eye_path(scene, frames), frames), told)
     return Comparison(
         scene=scene.name,
         size=size,
@@ -195,18 +200,6 @@ def _without_mirrors(view: View) -> dict[str, Session]:
         return {}
     method, options = parse(PLAIN)
     return {"": method.open(replace(view, scene=left), options)}
-
-
-def _told(
-    rounds: Generator[tuple[int, int], None, dict[str, Timing]], names: int
-) -> Generator[Step, None, dict[str, Timing]]:
-    """Rounds of timing as the last steps of a comparison of so many methods: they count as one for each."""
-    while True:
-        try:
-            done, number = next(rounds)
-        except StopIteration as end:
-            return end.value
-        yield names + 1 + names * done // number, 2 * names + 1, f"frame times, round {done} of {number}"
 
 
 def _frame(session: Session, view: View) -> Frame:

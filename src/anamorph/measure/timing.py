@@ -59,7 +59,7 @@ def time_in_turn(
 
     What else the machine does thus falls on all of them alike. `progress` is told the rounds done, and their number.
     """
-    return drain(timing_rounds(sessions, cameras, minimum), progress or (lambda done, rounds: None))
+    return drain(timing_rounds(sessions, cameras, minimum), lambda turn: progress(*turn) if progress else None)
 
 
 def timing_rounds(

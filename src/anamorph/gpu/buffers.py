@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cache
 
 import numpy as np
 import wgpu
 
 from anamorph.errors import AnamorphError
 from anamorph.gpu.bindings import SAMPLER, STORAGE, bind, layout_of, texture
-from anamorph.gpu.device import get_device
+from anamorph.gpu.device import get_device, of_device
 from anamorph.gpu.textures import sky_texture, texture_array, texture_sampler
 from anamorph.scene.geometry import Geometry
 from anamorph.scene.model import (
@@ -83,7 +82,7 @@ class SceneBuffers:
     shading: wgpu.GPUBindGroup
 
 
-@cache
+@of_device
 def shading_layout() -> wgpu.GPUBindGroupLayout:
     """The layout of group 0: lighting, objects, textures and sky."""
     return layout_of(STORAGE, STORAGE, texture("2d-array"), SAMPLER, texture(), SAMPLER)

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cache, cached_property
+from functools import cached_property
 
 import numpy as np
 import wgpu
@@ -18,6 +18,7 @@ from anamorph.frame import View
 from anamorph.gpu.bindings import SAMPLER, STORAGE, bind, layout_of, texture
 from anamorph.gpu.buffers import storage_buffer
 from anamorph.gpu.cube import make_cube
+from anamorph.gpu.device import of_device
 from anamorph.gpu.drawing import draw_mesh, make_pipeline, shader_module
 from anamorph.gpu.targets import COLOR_FORMAT, MAP_FORMATS, SEEN_FORMATS, Target, make_texture, map_sampler
 from anamorph.methods.options import check_options, option
@@ -115,7 +116,7 @@ def reflectors(scene: Scene) -> list[tuple[int, ...]]:
     return [tuple(group) for group in groups.values()]
 
 
-@cache
+@of_device
 def _stand_in() -> wgpu.GPUTexture:
     return make_texture((1, 1), MAP_FORMATS[0])
 

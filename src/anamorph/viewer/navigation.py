@@ -20,6 +20,9 @@ STEEPEST = np.radians(89.0)
 NEAREST, FARTHEST = 1e-3, 1e5
 """Limits of the distance between eye and target, metres."""
 
+OUTERMOST = 1e6
+"""How far out a target can get along any axis, metres: beyond, eye and target would run into one number."""
+
 NARROWEST, WIDEST = 1.0, 150.0
 """Limits of the field of view, degrees."""
 
@@ -47,7 +50,8 @@ def look(camera: Camera, right: float, up: float) -> Camera:
         How far it turns, radians. It stops short of straight up and straight down.
     """
     ahead = np.subtract(camera.target, camera.position)
-    return replace(camera, target=_tuple(camera.position + _turned(ahead, camera.up, -right, up)))
+    ahead = _turned(ahead, camera.up, -right, up)
+    return _placed(camera, camera.position + ahead, -ahead)
 
 
 def pan(camera: Camera, right: float, up: float) -> Camera:
@@ -59,8 +63,8 @@ def pan(camera: Camera, right: float, up: float) -> Camera:
     right, up : float
         How far that moves, as shares of the picture's height.
     """
-    move = -_in_picture(camera, right, up)
-    return replace(camera, position=_tuple(camera.position + move), target=_tuple(camera.target + move))
+    target = camera.target - _in_picture(camera, right, up)
+    return _placed(camera, target, np.subtract(camera.position, camera.target))
 
 
 def zoom(camera: Camera, factor: float, toward: tuple[float, float] = (0.0, 0.0)) -> Camera:
@@ -75,11 +79,10 @@ def zoom(camera: Camera, factor: float, toward: tuple[float, float] = (0.0, 0.0)
         The point at the target's distance that keeps its place in the picture: its offset from the picture's middle,
         as shares of the picture's height.
     """
-    distance = float(np.linalg.norm(np.subtract(camera.position, camera.target)))
+    away = np.subtract(camera.position, camera.target)
+    distance = np.linalg.norm(away)
     scale = np.clip(distance / factor, NEAREST, FARTHEST) / distance
-    fixed = camera.target + _in_picture(camera, *toward)
-    position, target = (fixed + scale * np.subtract(point, fixed) for point in (camera.position, camera.target))
-    return replace(camera, position=_tuple(position), target=_tuple(target))
+    return _placed(camera, camera.target + (1.0 - scale) * _in_picture(camera, *toward), scale * away)
 
 
 def magnify(camera: Camera, factor: float) -> Camera:
@@ -93,6 +96,12 @@ def steer(state: State, move: Callable[[Camera], Camera]) -> State:
     if state.observer is not None:
         return replace(state, observer=move(state.observer))
     return replace(state, camera=move(state.camera))
+
+
+def _placed(camera: Camera, target: np.ndarray, away: np.ndarray) -> Camera:
+    """The camera with `target` (3,), or the nearest that is allowed, and its eye `away` (3,) from it."""
+    target = np.clip(target, -OUTERMOST, OUTERMOST)
+    return replace(camera, position=_tuple(target + away), target=_tuple(target))
 
 
 def _in_picture(camera: Camera, right: float, up: float) -> np.ndarray:

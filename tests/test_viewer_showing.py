@@ -206,8 +206,8 @@ def test_errors_are_measured_while_it_moves_and_at_rest(scene: Scene) -> None:
     showing.update(scene, state, SIZE)
     assert showing.halves[0].layer is not None and showing.halves[1].layer is None
     settle(showing)
-    median = showing.measured["environment"].figures.angular_mrad.median
-    assert median is not None and median > 0.1
+    worst = showing.measured["environment"].figures.angular_mrad.max
+    assert worst is not None and worst > 1.0
     assert showing.frames["raytrace"].color.shape[:2] == SIZE[::-1]
 
 

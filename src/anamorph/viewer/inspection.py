@@ -8,7 +8,6 @@ import numpy as np
 
 from anamorph.errors import AnamorphError
 from anamorph.frame import Frame
-from anamorph.measure.angles import angles_between, seen_directions
 from anamorph.measure.errors import ErrorMaps
 from anamorph.measure.status import STATUS_NAMES
 from anamorph.methods.paths import PathTracer
@@ -71,8 +70,6 @@ def inspect(
     angular = None
     if maps is not None and counts:
         angular = float(maps.angular[row, column])
-    elif maps is None and truth is not None and looks_at:
-        angular = _angle(truth, position, number, column, row)
     return Inspection(
         pixel=(column, row),
         method=method,
@@ -125,15 +122,6 @@ def _name(scene: Scene, number: int, position: np.ndarray) -> str:
         return scene.meshes[number - 1].name
     # The sky, too, is seen in some direction.
     return SKY if position.any() else NOTHING
-
-
-def _angle(truth: Frame, position: np.ndarray, number: int, column: int, row: int) -> float | None:
-    """Between the truth's last ray and what the frame sees from where that begins, milliradians."""
-    if truth.ray_origin is None or truth.ray_direction is None:
-        return None
-    origin, direction = truth.ray_origin[row, column][None], truth.ray_direction[row, column][None].astype(float)
-    toward = seen_directions(origin, position[None], np.array([number]))
-    return 1000.0 * float(angles_between(direction, toward)[0]) if direction.any() else None
 
 
 def _length(path: Sequence[Stop], point: Vector, bends: bool) -> float:

@@ -26,12 +26,12 @@ BAR_HEIGHT = 132.0
 LINE_HEIGHT = 17.0
 
 
-def draw_divider(sheet: Sheet, state: State, size: tuple[int, int]) -> None:
-    """The line between the halves, and its handle."""
+def draw_divider(sheet: Sheet, state: State, area: Rectangle) -> None:
+    """The line between the halves of the picture in `area`, and its handle."""
     if not state.split:
         return
-    lines, (width, height) = imgui.get_background_draw_list(), size
-    x, y = round(state.divider * width), round(height / 2.0)
+    lines, (left, _, right, height) = imgui.get_background_draw_list(), area
+    x, y = round(left + state.divider * (right - left)), round(height / 2.0)
     dark, light = imgui.get_color_u32((0.0, 0.0, 0.0, 0.6)), imgui.get_color_u32(theme.TEXT)
     lines.add_rect_filled((x - 1.5, 0.0), (x + 1.5, height), dark)
     lines.add_rect_filled((x - 0.5, 0.0), (x + 0.5, height), light)
@@ -44,10 +44,10 @@ def draw_divider(sheet: Sheet, state: State, size: tuple[int, int]) -> None:
     sheet.rectangles["divider"] = (x - across, y - along, x + across, y + along)
 
 
-def draw_legends(sheet: Sheet, state: State, free: Rectangle, width: int) -> float:
-    """Caption and scale of each half, within what is `free`, on a canvas of this width; where the captions end."""
+def draw_legends(sheet: Sheet, state: State, free: Rectangle, area: Rectangle) -> float:
+    """Caption and scale of each half of the picture in `area`, within what of it is `free`; where the captions end."""
     left, top, right, bottom = free
-    x = state.divider * width
+    x = area[0] + state.divider * (area[2] - area[0])
     halves = (("first", state.first, left, min(x, right)), ("second", state.second, max(x, left), right))
     lowest = top
     for key, half, start, end in halves if state.split else (("first", state.first, left, right),):

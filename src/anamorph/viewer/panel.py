@@ -13,6 +13,7 @@ from imgui_bundle import imgui
 
 from anamorph.viewer import theme
 from anamorph.viewer.facts import Facts, Rectangle, Request
+from anamorph.viewer.layout import PANEL_WIDTH, STATUS_HEIGHT, picture_area
 from anamorph.viewer.legend import draw_divider, draw_legends
 from anamorph.viewer.notice import draw_notice
 from anamorph.viewer.panel_help import draw_help
@@ -80,16 +81,14 @@ def draw_panel(state: State, facts: Facts) -> Drawn:
     """
     sheet = Sheet()
     shown = state
-    width, height = facts.size
-    left = theme.PANEL_WIDTH if state.panel else 0.0
-    free = (left, 0.0, float(width), height - theme.STATUS_HEIGHT)
-    draw_divider(sheet, state, facts.size)
+    area = picture_area(facts.size, state.panel)
+    draw_divider(sheet, state, area)
     state = _panel(sheet, state, facts) if state.panel else _panel_button(sheet, state)
     # The closed panel's button stands where a caption would begin.
-    edge = left if shown.panel else sheet.rectangles["panel/show"][2]
-    lowest = draw_legends(sheet, shown, (edge, *free[1:]), width)
+    edge = area[0] if shown.panel else sheet.rectangles["panel/show"][2]
+    lowest = draw_legends(sheet, shown, (edge, *area[1:]), area)
     _status_line(sheet, state, facts)
-    draw_notice(sheet, facts, (free[0], lowest, free[2], free[3]))
+    draw_notice(sheet, facts, (area[0], lowest, *area[2:]))
     state = draw_help(sheet, state, facts.size)
     typing = imgui.get_io().want_text_input
     return Drawn(state, tuple(sheet.requests), sheet.rectangles, tuple(sheet.covered), typing)
@@ -97,7 +96,7 @@ def draw_panel(state: State, facts: Facts) -> Drawn:
 
 def _panel(sheet: Sheet, state: State, facts: Facts) -> State:
     imgui.set_next_window_pos((0.0, 0.0))
-    imgui.set_next_window_size((theme.PANEL_WIDTH, facts.size[1] - theme.STATUS_HEIGHT))
+    imgui.set_next_window_size((PANEL_WIDTH, facts.size[1] - STATUS_HEIGHT))
     imgui.begin("##panel", None, FIXED | imgui.WindowFlags_.no_scrollbar | imgui.WindowFlags_.no_scroll_with_mouse)
     sheet.cover_window("panel")
     side = imgui.get_frame_height()
@@ -146,8 +145,8 @@ def _panel_button(sheet: Sheet, state: State) -> State:
 def _status_line(sheet: Sheet, state: State, facts: Facts) -> None:
     """One line at the bottom; what does not fit is left out, from the end."""
     width, height = facts.size
-    imgui.set_next_window_pos((0.0, height - theme.STATUS_HEIGHT))
-    imgui.set_next_window_size((width, theme.STATUS_HEIGHT))
+    imgui.set_next_window_pos((0.0, height - STATUS_HEIGHT))
+    imgui.set_next_window_size((width, STATUS_HEIGHT))
     imgui.push_style_color(imgui.Col_.window_bg, theme.BAR)
     imgui.push_style_var(imgui.StyleVar_.window_padding, (10.0, 4.0))
     imgui.begin("##status", None, FIXED | imgui.WindowFlags_.no_scrollbar)

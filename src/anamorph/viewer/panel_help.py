@@ -9,6 +9,7 @@ from imgui_bundle import imgui
 
 from anamorph.viewer import theme
 from anamorph.viewer.gestures import GESTURES
+from anamorph.viewer.layout import STATUS_HEIGHT
 from anamorph.viewer.sheet import Sheet, available, caption, sign, text_width, to_column, wrapped
 from anamorph.viewer.shortcuts import SHORTCUTS
 from anamorph.viewer.state import State
@@ -25,7 +26,7 @@ def draw_help(sheet: Sheet, state: State, size: tuple[int, int]) -> State:
     width, height = size
     imgui.set_next_window_pos((width / 2.0, height / 2.0), imgui.Cond_.always, (0.5, 0.5))
     wide = min(WIDEST, width - 2.0 * theme.MARGIN)
-    highest = height - 2.0 * (theme.STATUS_HEIGHT + theme.MARGIN)
+    highest = height - 2.0 * (STATUS_HEIGHT + theme.MARGIN)
     imgui.set_next_window_size_constraints((wide, 0.0), (wide, highest))
     flags = imgui.WindowFlags_.no_decoration & ~imgui.WindowFlags_.no_scrollbar | imgui.WindowFlags_.no_move
     flags |= imgui.WindowFlags_.always_auto_resize | imgui.WindowFlags_.no_saved_settings

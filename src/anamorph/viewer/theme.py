@@ -26,8 +26,6 @@ CLEAR: Color = (0.0, 0.0, 0.0, 0.0)
 LETTERS = 14.0
 """Height of the font, logical pixels."""
 
-PANEL_WIDTH = 276.0
-STATUS_HEIGHT = 24.0
 MARGIN = 10.0
 """Between what lies over the picture and the edges of its half."""
 

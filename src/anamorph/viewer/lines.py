@@ -15,7 +15,7 @@ from anamorph.viewer.marks import Marks
 CANVAS_BYTES = 4 * (16 + 4)
 STROKE_FLOATS = 12
 
-HALO = 1.25
+HALO = 1.0
 """How far the dark rim reaches beyond a line, in logical pixels."""
 
 BLEND = {"operation": "add", "src_factor": "one", "dst_factor": "one-minus-src-alpha"}
@@ -34,31 +34,27 @@ class LineRenderer:
 
     def __init__(self, form: str, halo: bool = True) -> None:
         device = get_device()
-        self._layout = layout_of(UNIFORM, STORAGE, stages=wgpu.ShaderStage.VERTEX)
+        stages = wgpu.ShaderStage.VERTEX | wgpu.ShaderStage.FRAGMENT
+        self._layout = layout_of(UNIFORM, STORAGE, stages=stages)
         code = resources.files("anamorph").joinpath("viewer/lines.wgsl").read_text("utf-8")
         module = device.create_shader_module(code=code)
-        encodes = form.endswith("unorm")
-        # All rims first, so that none of them darkens another line.
-        self._pipelines = [self._pipeline(module, form, encodes, rim) for rim in ((HALO, 0.0) if halo else (0.0,))]
-        usage = wgpu.BufferUsage.UNIFORM | wgpu.BufferUsage.COPY_DST
-        self._canvas = device.create_buffer(size=CANVAS_BYTES, usage=usage)
-        self._strokes: wgpu.GPUBuffer | None = None
-        self._group: wgpu.GPUBindGroup | None = None
-        self._count = 0
-
-    def _pipeline(self, module: wgpu.GPUShaderModule, form: str, encodes: bool, rim: float) -> wgpu.GPURenderPipeline:
-        device, constants = get_device(), {"HALO": rim}
-        return device.create_render_pipeline(
+        constants = {"HALO": HALO if halo else 0.0, "ENCODE": float(form.endswith("unorm"))}
+        self._pipeline = device.create_render_pipeline(
             layout=device.create_pipeline_layout(bind_group_layouts=[self._layout]),
             vertex={"module": module, "entry_point": "stroke_vertex", "constants": constants},
             fragment={
                 "module": module,
                 "entry_point": "stroke_color",
-                "constants": {"ENCODE": float(encodes)},
+                "constants": constants,
                 "targets": [{"format": form, "blend": {"color": BLEND, "alpha": BLEND}}],
             },
             primitive={"topology": "triangle-strip"},
         )
+        usage = wgpu.BufferUsage.UNIFORM | wgpu.BufferUsage.COPY_DST
+        self._canvas = device.create_buffer(size=CANVAS_BYTES, usage=usage)
+        self._strokes: wgpu.GPUBuffer | None = None
+        self._group: wgpu.GPUBindGroup | None = None
+        self._count = 0
 
     def upload(self, marks: Marks) -> None:
         """Replace what is drawn; needed only when it has changed."""
@@ -97,7 +93,6 @@ class LineRenderer:
             return
         canvas = np.concatenate([np.asarray(clip).T.ravel(), size, [ratio, 0.0]]).astype(np.float32)
         get_device().queue.write_buffer(self._canvas, 0, canvas)
+        render_pass.set_pipeline(self._pipeline)
         render_pass.set_bind_group(0, self._group)
-        for pipeline in self._pipelines:
-            render_pass.set_pipeline(pipeline)
-            render_pass.draw(4, self._count)
+        render_pass.draw(4, self._count)

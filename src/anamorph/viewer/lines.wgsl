@@ -19,7 +19,7 @@ struct Canvas {
 @group(0) @binding(0) var<uniform> canvas: Canvas;
 @group(0) @binding(1) var<storage, read> strokes: array<Stroke>;
 
-// What is drawn beyond the stroke's own border, in logical pixels; 0 for the stroke itself.
+// How far the dark rim reaches beyond the stroke, in logical pixels.
 override HALO: f32 = 0.0;
 override HALO_ALPHA: f32 = 0.5;
 // Whether the target holds sRGB values that it does not make itself.
@@ -27,10 +27,12 @@ override ENCODE: bool = false;
 
 struct Fragment {
     @builtin(position) place: vec4f,
-    // Both ends in pixels.
-    @location(0) @interpolate(flat) ends: vec4f,
+    // Pixels along the stroke from its middle, and across.
+    @location(0) @interpolate(linear) local: vec2f,
+    // Multiplied by its alpha.
     @location(1) @interpolate(flat) color: vec4f,
-    @location(2) @interpolate(flat) radius: f32,
+    // Half the stroke's length, of its width, and the alpha of its rim.
+    @location(2) @interpolate(flat) kind: vec3f,
 }
 
 // The part, from 0 to 1, of a segment on the inside of planes, of which `a` and `b` are the heights of both ends.
@@ -46,17 +48,23 @@ fn pixel(point: vec4f, margin: vec2f) -> vec2f {
     return (0.5 + vec2f(0.5, -0.5) * place) * canvas.size;
 }
 
+fn encoded(linear: vec3f) -> vec3f {
+    let value = clamp(linear, vec3f(0.0), vec3f(1.0));
+    return select(1.055 * pow(value, vec3f(1.0 / 2.4)) - 0.055, 12.92 * value, value <= vec3f(0.0031308));
+}
+
 @vertex
 fn stroke_vertex(@builtin(vertex_index) corner: u32, @builtin(instance_index) number: u32) -> Fragment {
     let stroke = strokes[number];
     let half_width = stroke.first.w * canvas.ratio;
     // A line thinner than a pixel is a fainter one of a pixel.
-    let radius = max(half_width, 0.5) + HALO * canvas.ratio;
+    let radius = max(half_width, 0.5);
+    let reach = radius + HALO * canvas.ratio + 0.5;
     let a = canvas.clip * vec4f(stroke.first.xyz, 1.0);
     let b = canvas.clip * vec4f(stroke.second.xyz, 1.0);
     // Clipped before it is divided by w, to a little more than the picture: an end near the plane of the eye would lie
     // farther away than pixels can be told apart.
-    let margin = 1.0 + 2.0 * (radius + 2.0) / canvas.size;
+    let margin = 1.0 + 2.0 * (reach + 1.0) / canvas.size;
     var part = inside(vec2f(0.0, 1.0), a.w - a.z, b.w - b.z);
     part = inside(part, margin.x * a.w + a.x, margin.x * b.w + b.x);
     part = inside(part, margin.x * a.w - a.x, margin.x * b.w - b.x);
@@ -72,30 +80,24 @@ fn stroke_vertex(@builtin(vertex_index) corner: u32, @builtin(instance_index) nu
     let second = pixel(select(a + part.y * (b - a), b, part.y == 1.0), margin);
     let way = second - first;
     let far = length(way);
-    let along = select(vec2f(1.0, 0.0), way / max(far, 1e-6), far > 1e-6) * (radius + 1.0);
-    let end = select(first - along, second + along, corner >= 2u);
-    let across = vec2f(-along.y, along.x) * select(-1.0, 1.0, corner % 2u == 1u);
-    let place = 2.0 * (end + across) / canvas.size - 1.0;
+    let along = select(vec2f(1.0, 0.0), way / max(far, 1e-6), far > 1e-6);
+    let sides = vec2f(select(-1.0, 1.0, corner >= 2u), select(-1.0, 1.0, corner % 2u == 1u));
+    fragment.local = sides * vec2f(0.5 * far + reach, reach);
+    let pixels = 0.5 * (first + second) + fragment.local.x * along + fragment.local.y * vec2f(-along.y, along.x);
+    let place = 2.0 * pixels / canvas.size - 1.0;
     fragment.place = vec4f(place.x, -place.y, 0.0, 1.0);
-    fragment.ends = vec4f(first, second);
     let alpha = stroke.color.a * min(2.0 * half_width, 1.0);
-    fragment.color = select(vec4f(stroke.color.rgb, alpha), vec4f(0.0, 0.0, 0.0, HALO_ALPHA * alpha), HALO > 0.0);
-    fragment.radius = radius;
+    let color = select(stroke.color.rgb, encoded(stroke.color.rgb), ENCODE);
+    fragment.color = vec4f(alpha * color, alpha);
+    // What shines through hardly has a rim: it would be all that is seen of it.
+    fragment.kind = vec3f(0.5 * far, radius + 0.5, select(0.0, HALO_ALPHA * alpha * alpha, HALO > 0.0));
     return fragment;
-}
-
-fn encoded(linear: vec3f) -> vec3f {
-    let value = clamp(linear, vec3f(0.0), vec3f(1.0));
-    return select(1.055 * pow(value, vec3f(1.0 / 2.4)) - 0.055, 12.92 * value, value <= vec3f(0.0031308));
 }
 
 @fragment
 fn stroke_color(fragment: Fragment) -> @location(0) vec4f {
-    let offset = fragment.place.xy - fragment.ends.xy;
-    let way = fragment.ends.zw - fragment.ends.xy;
-    let share = clamp(dot(offset, way) / max(dot(way, way), 1e-12), 0.0, 1.0);
-    let coverage = clamp(fragment.radius + 0.5 - length(offset - share * way), 0.0, 1.0);
-    let alpha = coverage * fragment.color.a;
-    let color = select(fragment.color.rgb, encoded(fragment.color.rgb), ENCODE);
-    return vec4f(alpha * color, alpha);
+    let away = length(vec2f(max(abs(fragment.local.x) - fragment.kind.x, 0.0), fragment.local.y));
+    let color = clamp(fragment.kind.y - away, 0.0, 1.0) * fragment.color;
+    let rim = clamp(fragment.kind.y + HALO * canvas.ratio - away, 0.0, 1.0) * fragment.kind.z;
+    return color + vec4f(0.0, 0.0, 0.0, (1.0 - color.a) * rim);
 }

@@ -29,8 +29,11 @@ from anamorph.viewer.marks import NO_MARKS, Marks, between, dot_marks, joined, l
 from anamorph.viewer.state import Drawing, State
 from anamorph.viewer.wires import Wires, wires_of
 
-MOST_RAYS = 400
+MOST_HITS, MOST_RAYS = 400, 100
 """Of one body that are drawn: more cannot be told apart."""
+
+LONG_WIRE = 16.0
+"""Pixels: shorter edges are fainter, so that a fine mesh does not hide the picture."""
 
 FARTHEST = 10.0
 """How far away a virtual viewpoint is shown, in diagonals of the scene: beyond, rays are parallel to the eye."""
@@ -41,8 +44,14 @@ PAST = 1.1
 EYE_DEPTH = 0.3
 """Of the eye's picture, for 1 at the nearest mirror or lens."""
 
-WIRE, HIDDEN_WIRE = (0.85, 0.9, 0.95, 0.8), (0.85, 0.9, 0.95, 0.25)
-HIT, RAY, SKY_RAY = (0.9, 0.03, 0.02, 1.0), (1.0, 0.35, 0.2, 0.5), (0.3, 0.55, 1.0, 0.3)
+WIRE = (0.85, 0.9, 0.95, 0.8)
+LEAST_ALPHA, HIDDEN_ALPHA = 0.15, 0.3
+"""Of wires, relative to the front's long ones: the shortest, and those seen from behind."""
+
+WITHIN_ALPHA = 0.5
+"""Of rays as their own eye sees them: they run through its picture."""
+
+HIT, RAY, SKY_RAY = (0.9, 0.03, 0.02, 1.0), (1.0, 0.3, 0.15, 0.75), (0.3, 0.55, 1.0, 0.4)
 EYE, EYE_RAY = (1.0, 1.0, 1.0, 1.0), (0.1, 0.25, 1.0, 0.6)
 VIEWPOINT, LINE = (0.9, 0.02, 0.02, 1.0), (1.0, 0.75, 0.05, 0.6)
 VOLUME, APEX = (0.05, 0.8, 0.35, 0.9), (0.05, 0.8, 0.35, 0.35)
@@ -108,9 +117,8 @@ def space_marks(
     if Drawing.VIEWPOINT in state.drawings:
         parts += [viewpoint_marks(each, space.world.diagonal) for each in seen]
     if Drawing.WIREFRAME in state.drawings:
-        parts.append(wire_marks(space.wires, shown))
+        parts.append(wire_marks(space.wires, shown, size))
     if Drawing.HITS in state.drawings:
-        # From the eye itself its own rays are points.
         eye = looking if state.observer else None
         parts += [hit_marks(each, space.world.diagonal, eye) for each in seen]
     if state.observer is not None:
@@ -137,32 +145,39 @@ def seen_bodies(space: Space, camera: Camera, size: tuple[int, int], options: Pi
     return found
 
 
-def wire_marks(wires: Wires, shown: Camera) -> Marks:
-    """The edges of mirrors and lenses, fainter where they are seen from behind."""
-    front = wires.facing(np.asarray(shown.position, float))
-    return line_marks(wires.ends, color=np.where(front[:, None], WIRE, HIDDEN_WIRE), width=1.2)
+def wire_marks(wires: Wires, shown: Camera, size: tuple[int, int]) -> Marks:
+    """The edges of mirrors and lenses, fainter where they are short or seen from behind in a picture of `size`."""
+    eye = np.asarray(shown.position, np.float32)
+    distance = np.linalg.norm(wires.ends[:, 0] - eye, axis=1)
+    pixel = 2.0 * np.tan(np.radians(shown.field_of_view) / 2.0) / size[1]
+    long = wires.lengths >= LONG_WIRE * pixel * distance
+    alpha = np.ones(len(long))
+    alpha[~long] = np.maximum(wires.lengths[~long] / (LONG_WIRE * pixel * distance[~long]), LEAST_ALPHA)
+    alpha[~wires.facing(eye)] *= HIDDEN_ALPHA
+    return line_marks(wires.ends, np.column_stack([np.tile(WIRE[:3], (len(alpha), 1)), WIRE[3] * alpha]), 1.2)
 
 
 def hit_marks(seen: Seen, diagonal: float, eye: Camera | None = None) -> Marks:
-    """A ball where each vertex ray hits, and the way there, from the `eye` on or from the vertex: Figure 1."""
-    chosen = _drawn(seen)
-    rays, vertices, distances = seen.sight.rays, seen.sight.side.optics.positions[chosen], seen.distances[chosen]
-    sky = ~np.isfinite(distances)
-    origins, hits = rays.origins[chosen], seen.hits[chosen]
-    reach = distances[~sky].max(initial=0.0) or diagonal
-    ends = np.where(sky[:, None], origins + reach * rays.unit_directions()[chosen], hits)
-    color = np.where(sky[:, None], SKY_RAY, RAY)
-    parts = [line_marks(between(origins, ends), color=color)]
+    """A ball where each vertex ray hits, and the way there: Figure 1; from the `eye` on, if another one looks."""
+    rays, vertices, drawn = seen.sight.rays, seen.sight.side.optics.positions, _drawn_rays(seen)
+    sky = ~np.isfinite(seen.distances)
+    reach = seen.distances[~sky].max(initial=0.0) or diagonal
+    ends = np.where(sky[:, None], rays.origins + reach * rays.unit_directions(), seen.hits)[drawn]
+    color = np.where(sky[drawn, None], SKY_RAY, RAY)
+    if eye is None:
+        color[:, 3] *= WITHIN_ALPHA
+    parts = [line_marks(between(rays.origins[drawn], ends), color)]
     if seen.sight.bends:
-        parts.append(line_marks(between(vertices, origins), color=color))
+        parts.append(line_marks(between(vertices[drawn], rays.origins[drawn]), color))
     if eye is not None:
-        parts.append(line_marks(between(eye.position, vertices), color=EYE_RAY))
-    return joined([*parts, dot_marks(hits[~sky], color=HIT, radius=3.0)])
+        parts.append(line_marks(between(eye.position, vertices[drawn]), EYE_RAY))
+    balls = _drawn(seen)
+    return joined([*parts, dot_marks(seen.hits[balls[~sky[balls]]], HIT, radius=3.0)])
 
 
 def viewpoint_marks(seen: Seen, diagonal: float) -> Marks:
     """Each map's virtual viewpoint, and the rays drawn on through where they pass it: Figure 3."""
-    rays, directions, drawn, parts = seen.sight.rays, seen.sight.rays.unit_directions(), _drawn(seen), []
+    rays, directions, drawn, parts = seen.sight.rays, seen.sight.rays.unit_directions(), _drawn_rays(seen), []
     for plan in seen.plans:
         vertices = np.intersect1d(plan.vertices, drawn)
         origins, ways = rays.origins[vertices], directions[vertices]
@@ -170,9 +185,9 @@ def viewpoint_marks(seen: Seen, diagonal: float) -> Marks:
         lengths = np.full(len(vertices), -diagonal)
         if point is not None:
             lengths = PAST * np.einsum("ni,ni->n", point - origins, ways)
-        parts.append(line_marks(between(origins, origins + lengths[:, None] * ways), color=LINE))
+        parts.append(line_marks(between(origins, origins + lengths[:, None] * ways), LINE))
         if point is not None:
-            parts.append(dot_marks(point, color=VIEWPOINT, radius=6.0))
+            parts.append(dot_marks(point, VIEWPOINT, radius=6.0))
     return joined(parts)
 
 
@@ -194,8 +209,8 @@ def volume_marks(seen: Seen, diagonal: float) -> Marks:
             ring = np.roll(np.arange(4), -1)
             sides = np.concatenate([between(near, near[ring]), between(far, far[ring]), between(near, far)])
             if point is not None:
-                parts.append(line_marks(between(point, near), color=APEX))
-            parts.append(line_marks(sides, color=VOLUME, width=1.6))
+                parts.append(line_marks(between(point, near), APEX))
+            parts.append(line_marks(sides, VOLUME, width=1.6))
     return joined(parts)
 
 
@@ -253,17 +268,25 @@ def path_marks(inspection: Inspection) -> Marks:
     # What is seen directly has but one leg.
     return joined(
         [
-            line_marks(between(points[:-1], points[1:]), color=colors[:legs], width=2.5),
-            dot_marks(points, color=colors[: legs + 1], radius=4.5),
+            line_marks(between(points[:-1], points[1:]), colors[:legs], width=2.5),
+            dot_marks(points, colors[: legs + 1], radius=4.5),
         ]
     )
 
 
 def _drawn(seen: Seen) -> np.ndarray:
-    """The vertices whose rays are drawn, (N,): some of those that have a map and face the eye."""
+    """The vertices whose hits are drawn, (N,): of those that have a map and face the eye."""
     vertices = np.unique(np.concatenate([plan.vertices for plan in seen.plans]))
-    vertices = vertices[seen.sight.rays.status[vertices] == RayStatus.OK]
-    return vertices[:: max(1, -(-len(vertices) // MOST_RAYS))]
+    return _thinned(vertices[seen.sight.rays.status[vertices] == RayStatus.OK], MOST_HITS)
+
+
+def _drawn_rays(seen: Seen) -> np.ndarray:
+    """The vertices whose rays are drawn, (N,): of those whose hits are."""
+    return _thinned(_drawn(seen), MOST_RAYS)
+
+
+def _thinned(values: np.ndarray, most: int) -> np.ndarray:
+    return values[:: max(1, -(-len(values) // most))]
 
 
 def _eye_depth(space: Space, camera: Camera) -> float:

@@ -21,10 +21,13 @@ class Wires:
     planes : (N, 2, 4) float64
         (n, c) of the planes of the two triangles at each edge, with n.p + c > 0 before them; of a border's edge
         twice the same.
+    lengths : (N,) float32
+        Metres.
     """
 
     ends: np.ndarray
     planes: np.ndarray
+    lengths: np.ndarray
 
     def facing(self, eye: np.ndarray) -> np.ndarray:
         """Which edges, (N,) bool, some triangle shows its front to `eye` (3,)."""
@@ -34,12 +37,14 @@ class Wires:
 def wires_of(scene: Scene) -> Wires:
     """The edges of all mirrors and lenses; where meshes of one mirror meet, their common edges are one."""
     glass = [(number,) for number, mesh in enumerate(scene.meshes) if isinstance(mesh.material, Glass)]
-    parts = [_wires(scene, group) for group in (*connected_mirrors(scene), *glass)]
-    parts.append(Wires(np.zeros((0, 2, 3), np.float32), np.zeros((0, 2, 4))))
-    return Wires(np.concatenate([each.ends for each in parts]), np.concatenate([each.planes for each in parts]))
+    parts = [_edges(scene, group) for group in (*connected_mirrors(scene), *glass)]
+    ends = np.concatenate([np.zeros((0, 2, 3), np.float32), *(each for each, _ in parts)])
+    planes = np.concatenate([np.zeros((0, 2, 4)), *(each for _, each in parts)])
+    return Wires(ends, planes, np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1))
 
 
-def _wires(scene: Scene, group: tuple[int, ...]) -> Wires:
+def _edges(scene: Scene, group: tuple[int, ...]) -> tuple[np.ndarray, np.ndarray]:
+    """The ends of a body's edges, and the planes beside them."""
     meshes = [scene.meshes[number] for number in group]
     starts = np.cumsum([0, *(len(mesh.positions) for mesh in meshes)])
     positions = np.concatenate([np.asarray(mesh.positions, float) for mesh in meshes])
@@ -60,4 +65,4 @@ def _wires(scene: Scene, group: tuple[int, ...]) -> Wires:
     kept = sorted_places[first_rows, 0] != sorted_places[first_rows, 1]
     first_rows, last_rows = order[first_rows[kept]], order[last_rows[kept]]
     both = np.stack([planes[first_rows // 3], planes[last_rows // 3]], axis=1)
-    return Wires(positions[vertices[first_rows]].astype(np.float32), both)
+    return positions[vertices[first_rows]].astype(np.float32), both

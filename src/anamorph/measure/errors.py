@@ -172,7 +172,7 @@ def statistics(values: np.ndarray) -> Statistics:
 
 
 def _percent(part: np.ndarray, whole: np.ndarray) -> float | None:
-    return 100.0 * float(np.count_nonzero(part)) / np.count_nonzero(whole) if whole.any() else None
+    return 100.0 * int(np.count_nonzero(part)) / int(np.count_nonzero(whole)) if whole.any() else None
 
 
 def _buffer(name: str, frame: Frame, field: str) -> np.ndarray:

@@ -5,6 +5,7 @@ All of it is drawn without windows. A half whose free part is too narrow for its
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from itertools import pairwise
 
 from imgui_bundle import imgui
@@ -12,7 +13,7 @@ from imgui_bundle import imgui
 from anamorph.measure import heatmap
 from anamorph.viewer import theme
 from anamorph.viewer.facts import Rectangle
-from anamorph.viewer.measured import STATUS_COLORS
+from anamorph.viewer.measured import ERROR_MARKS, STATUS_COLORS, scale_ticks
 from anamorph.viewer.sheet import Sheet
 from anamorph.viewer.state import Half, Layer, State
 from anamorph.viewer.wording import name_text
@@ -88,9 +89,11 @@ def _caption(sheet: Sheet, key: str, text: str, room: Rectangle) -> float:
 
 def _scale(sheet: Sheet, key: str, unit: str, room: Rectangle) -> None:
     """The colours of errors, from the lowest at the bottom to the highest on top."""
-    ticks = [f"{tick:g}" for tick in heatmap.TICKS]
-    across = 2.0 * PAD + BAR_WIDTH + 8.0 + max(imgui.calc_text_size(tick).x for tick in ticks)
-    below = 2.0 * PAD + 2.0 * LINE_HEIGHT + BAR_HEIGHT
+    ticks = scale_ticks(unit)
+    words = [*(label for _, label in ticks), *ERROR_MARKS]
+    across = 2.0 * PAD + BAR_WIDTH + 8.0 + max(imgui.calc_text_size(word).x for word in words)
+    marked = PAD + 2.0 * LINE_HEIGHT + BAR_HEIGHT
+    below = marked + PAD + LINE_HEIGHT * len(ERROR_MARKS)
     if (place := _fitted(room, across, below)) is None:
         return
     left, top = place
@@ -103,10 +106,11 @@ def _scale(sheet: Sheet, key: str, unit: str, room: Rectangle) -> None:
     for number, (under, over) in enumerate(pairwise(colors)):
         y = low - number * step
         lines.add_rect_filled_multi_color((x, y - step), (x + BAR_WIDTH, y), over, over, under, under)
-    for number, tick in enumerate(ticks):
-        y = low - number * BAR_HEIGHT / (len(ticks) - 1)
+    for share, label in ticks:
+        y = low - share * BAR_HEIGHT
         lines.add_rect_filled((x + BAR_WIDTH, y - 0.5), (x + BAR_WIDTH + 4.0, y + 0.5), color)
-        lines.add_text((x + BAR_WIDTH + 8.0, y - LINE_HEIGHT / 2.0), color, tick)
+        lines.add_text((x + BAR_WIDTH + 8.0, y - LINE_HEIGHT / 2.0), color, label)
+    _named(ERROR_MARKS, (x, top + marked))
 
 
 def _statuses(sheet: Sheet, key: str, room: Rectangle) -> None:
@@ -118,9 +122,14 @@ def _statuses(sheet: Sheet, key: str, room: Rectangle) -> None:
         return
     left, top = place
     _ground(sheet, key, (left, top, left + across, top + below))
-    lines, text = imgui.get_background_draw_list(), imgui.get_color_u32(theme.TEXT)
-    for number, (name, (red, green, blue)) in enumerate(names.items()):
-        x, y = left + PAD, top + PAD / 2.0 + number * LINE_HEIGHT
+    _named(names, (left + PAD, top + PAD / 2.0))
+
+
+def _named(colors: Mapping[str, tuple[int, int, int]], corner: tuple[float, float]) -> None:
+    """What colours mean, one below the other from a left top corner."""
+    lines, text, (x, top) = imgui.get_background_draw_list(), imgui.get_color_u32(theme.TEXT), corner
+    for number, (name, (red, green, blue)) in enumerate(colors.items()):
+        y = top + number * LINE_HEIGHT
         color = imgui.get_color_u32((red / 255.0, green / 255.0, blue / 255.0, 1.0))
         lines.add_rect_filled((x, y + 3.0), (x + BAR_WIDTH, y + 14.0), color)
         lines.add_text((x + BAR_WIDTH + 8.0, y), text, name)

@@ -21,6 +21,7 @@ from anamorph.viewer.gestures import NO_GRIP, cursor, handle
 from anamorph.viewer.home import Home
 from anamorph.viewer.inspection import inspect
 from anamorph.viewer.layout import in_pixels, inside, picture_area
+from anamorph.viewer.measured import Measured
 from anamorph.viewer.panel import Drawn, draw_panel
 from anamorph.viewer.reports import report
 from anamorph.viewer.saving import Saving
@@ -102,7 +103,7 @@ class Viewer:
         self._stop_saving()
         self._showing, self._space = Showing(), Space(self._scene)
         self._marked: object = None
-        self._inspected: tuple[object, Inspection] | None = None
+        self._inspected: tuple[tuple[float, float], Measured, Inspection] | None = None
         self._changed_at = 0.0
 
     def _new_surface(self) -> Surface:
@@ -233,7 +234,10 @@ class Viewer:
         return self._scene
 
     def _inspect(self, size: tuple[int, int]) -> Inspection | None:
-        """What is seen at the picked pixel, once its frames are there; until then, what was seen there last."""
+        """What is seen at the picked pixel, once its frames are there; until then, what was seen there last.
+
+        What the eye has looked into stays when an observer looks on: to see its path from outside.
+        """
         if self.state.picked is None:
             self._inspected = None
             return None
@@ -241,14 +245,17 @@ class Viewer:
         right = self.state.split and x >= self.state.divider
         method = (self.state.second if right else self.state.first).method
         measured = self._showing.measured.get(method)
-        if self._showing.at_rest and measured is not None:
-            key = self.state.picked, measured
-            if self._inspected is None or self._inspected[0] != key:
-                pixel = min(int(x * size[0]), size[0] - 1), min(int(y * size[1]), size[1] - 1)
-                camera, frames = shown_camera(self.state), self._showing.frames
-                found = inspect(self._space, camera, size, pixel, method, frames[method], frames[TRUTH], measured.maps)
-                self._inspected = key, found
-        return self._inspected[1] if self._inspected else None
+        if self._showing.at_rest and measured is not None and not self._inspected_already(measured):
+            pixel = min(int(x * size[0]), size[0] - 1), min(int(y * size[1]), size[1] - 1)
+            camera, truth = shown_camera(self.state), self._showing.frames[TRUTH]
+            found = inspect(self._space, camera, size, pixel, method, measured.frame, truth, measured.maps)
+            self._inspected = self.state.picked, measured, found
+        return self._inspected[2] if self._inspected else None
+
+    def _inspected_already(self, measured: Measured) -> bool:
+        if self._inspected is None or self._inspected[0] != self.state.picked:
+            return False
+        return self._inspected[1] is measured or self.state.observer is not None
 
     def _obey(self, requests: tuple[Request, ...]) -> None:
         """Begin what was asked for: one thing after the other, so that no two take each other's time."""
@@ -300,7 +307,7 @@ class Viewer:
             samples_done=showing.samples_done,
             samples_total=self.state.samples**2 if self.state.samples > 1 else 0,
             figures=tuple(each.figures if each else None for each in measured),
-            inspection=self._inspected[1] if self._inspected else None,
+            inspection=self._inspected[2] if self._inspected else None,
             message=" ".join(filter(None, (self.message, *showing.failures))),
             progress=self._progress,
         )

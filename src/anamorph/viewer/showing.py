@@ -57,7 +57,7 @@ class Showing:
     picture : (width, height)
         Of the pictures that were drawn last.
     frame_ms : float
-        What the last frame that moved took.
+        What the last frame that moved took; 0 for the first of several.
     samples_done : int
     finished : bool
         Whether nothing is left to refine.
@@ -72,6 +72,7 @@ class Showing:
         self._of_pictures, self._of_layers = Fluency(), Fluency()
         self._layers = LayerTexture(), LayerTexture()
         self._layered = [False, False]
+        self._moving = False
         self.frames: dict[str, Frame] = {}
         self.measured: dict[str, Measured] = {}
         self.at_rest = False
@@ -100,6 +101,7 @@ class Showing:
     def rest(self) -> bool:
         """Take one step of refinement; tells whether there was one."""
         self.finished = next(self._steps, self) is self
+        self._moving = False
         return not self.finished
 
     @property
@@ -139,16 +141,19 @@ class Showing:
             self._of(method).draw(self._pictured.camera, self.picture)
         for method in methods:
             self._of(method).wait()
-        self.frame_ms = 1e3 * (perf_counter() - began)
-        self._of_pictures = self._of_pictures.after(self.frame_ms)
+        spent = 1e3 * (perf_counter() - began)
+        self._of_pictures = self._of_pictures.after(spent)
         if any(half.layer != Layer.PICTURE for half in self._detailed.halves):
             began = perf_counter()
             for _ in self._layering(scaled(self._pictured.size, self._of_layers.scale)):
                 pass
-            spent = 1e3 * (perf_counter() - began)
-            self.frame_ms += spent
-            self._of_layers = self._of_layers.after(spent)
+            layered = 1e3 * (perf_counter() - began)
+            self._of_layers = self._of_layers.after(layered)
             self.frames, self.measured = {}, {}
+            spent += layered
+        # The first of several has opened what the others find open.
+        self.frame_ms = spent if self._moving else 0.0
+        self._moving = True
 
     def _resting(self) -> Iterator[None]:
         """Everything at full size, in steps none of which takes longer than a frame by the truth."""

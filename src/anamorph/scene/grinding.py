@@ -26,6 +26,12 @@ from anamorph.scene.transform import Similarity, transform
 LEAST_EDGE = 5e-4
 """Metres: a lens that has as much at its edge keeps it."""
 
+CENTRED = 1e-5
+"""Metres: how near to the axis the apex of a toroid or an asphere is."""
+
+CLOSE = 1e-7
+"""Metres: how near to its thickness a lens is ground."""
+
 STRONGEST = 20.0
 """Dioptres: what a control grinds a lens to, at most."""
 
@@ -72,7 +78,7 @@ class Optics:
 
 
 def optics_of(front: Mesh, back: Mesh) -> Optics | None:
-    """What two faces do on their axis; None where they are not of planes, spheres, toroids or aspheres."""
+    """What two faces do on their axis; None where they are not of planes, spheres, or centred toroids or aspheres."""
     outward = mean_normal((front,))
     if outward is None or not isinstance(front.material, Glass):
         return None
@@ -82,6 +88,8 @@ def optics_of(front: Mesh, back: Mesh) -> Optics | None:
     at = drop(front.surface, middle[None], outward)
     apex, axis = front.surface.position(at)[0], turned_normals(front.surface, at, outward[None])[0]
     below = drop(back.surface, apex[None], axis)
+    if not (_centred(front.surface, at) and _centred(back.surface, below)):
+        return None
     vertex, behind = back.surface.position(below)[0], turned_normals(back.surface, below, -axis[None])[0]
     return Optics(
         axes=upright_axes(axis, WORLD_UP),
@@ -92,6 +100,11 @@ def optics_of(front: Mesh, back: Mesh) -> Optics | None:
         back=tuple(facing(back) * curvature for curvature in own_curvatures(back.surface)),
         index=front.material.index,
     )
+
+
+def _centred(surface: Grindable, parameters: np.ndarray) -> bool:
+    """Whether the point at parameters (1, 2) may count as the surface's apex, where its curvature is known."""
+    return isinstance(surface, Plane | Sphere) or float(np.abs(parameters).max()) <= CENTRED
 
 
 def power_limits(front: Mesh, back: Mesh) -> tuple[float, float] | None:
@@ -131,7 +144,7 @@ def ground(lens: Sequence[Mesh], power: float | None = None, index: float | None
     name, optics = front.name.rpartition("/")[0], optics_of(front, back)
     if optics is None:
         if power is not None:
-            raise AnamorphError(f"lens '{name}': has faces without an exact radius; leave power out")
+            raise AnamorphError(f"lens '{name}': has faces without one exact radius on its axis; leave power out")
         return _of_index(lens, index)
     new_index = optics.index if index is None else index
     new_power = optics.power if power is None else power
@@ -159,16 +172,16 @@ def _faces(front: Mesh, back: Mesh, optics: Optics, power: float, index: float) 
         curvatures = tuple(first + curvature - optics.back[0] for curvature in optics.back)
         surface = _back(back, optics, curvatures, turn, float(np.linalg.norm(across, axis=1).max()))
         parameters = drop(surface, points, axis)
-        away = thickness - optics.thickness
-        least = float((ends[0] + away - surface.position(parameters) @ axis).min())
+        away, points = thickness - optics.thickness, surface.position(parameters)
+        least = float((ends[0] + away - points @ axis).min())
         thicker = max(optics.thickness, thickness + wanted - least)
-        if abs(thicker - thickness) <= 1e-9:
+        if abs(thicker - thickness) <= CLOSE:
             break
         thickness = thicker
     if not least > 0.0:
         raise AnamorphError("its faces cross; give a weaker one")
     moved = transform(front, Similarity(1.0, np.eye(3), away * axis)) if away > 0.0 else front
-    return moved, on_surface(back, surface, parameters)
+    return moved, on_surface(back, surface, parameters, -axis)
 
 
 def _back(back: Mesh, optics: Optics, curvatures: tuple[float, ...], turn: np.ndarray, reach: float) -> LensSurface:

@@ -56,7 +56,8 @@ class Method:
     source : str
         The paper and sections it builds on.
     options : type
-        A frozen dataclass whose fields have defaults and are bool, int, float or str.
+        A frozen dataclass whose fields have defaults and are bool, int, float or str. Those that `options.option`
+        makes say what they may be, which `options.check_options` holds them to, and its docstring says what they mean.
     open : callable
         (View, options) -> Session.
     refracts : bool

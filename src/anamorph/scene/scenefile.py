@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from fnmatch import fnmatchcase
+from itertools import chain
 from pathlib import Path
 
 import numpy as np
@@ -14,6 +14,7 @@ from anamorph.scene import builtin
 from anamorph.scene.cad import SUFFIXES, FaceChoice
 from anamorph.scene.camera import Camera
 from anamorph.scene.checks import check_scene
+from anamorph.scene.editing import Edit, edit
 from anamorph.scene.files import read_texture
 from anamorph.scene.load import Part, load_parts, uniquely_named
 from anamorph.scene.model import (
@@ -30,10 +31,12 @@ from anamorph.scene.model import (
     Scene,
     Sky,
 )
+from anamorph.scene.parts import part_names
 from anamorph.scene.tables import Table, read_tables
 from anamorph.scene.transform import Similarity, rotation, transform
 
 TRANSFORM = ("scale", "rotate", "translate")
+EDIT = tuple(field.name for field in fields(Edit))
 LIGHTS = ("directional", "point", "ambient")
 CHOICE = ("faces", "density", "flip")
 BASE = ("builtin", "base", "mirror_of", *CHOICE)
@@ -162,7 +165,7 @@ def choice_of(table: Table) -> FaceChoice | None:
 
 def _changed(parts: list[Part], table: Table) -> list[Part]:
     """The parts, with the change that a [[part]] table asks for made to those that it selects."""
-    table.only("name", "material", "rename", "remove", "mirror", "glass", "diffuse", *TRANSFORM)
+    table.only("name", "material", "rename", "remove", "mirror", "glass", "diffuse", *TRANSFORM, *EDIT)
     hits = selected(parts, table)
     if table.flag("remove"):
         return [part for part, hit in zip(parts, hits, strict=True) if not hit]
@@ -173,26 +176,54 @@ def _changed(parts: list[Part], table: Table) -> list[Part]:
         mesh = replace(mesh, material=material or mesh.material, name=name or mesh.name)
         return replace(part, mesh=mesh)
 
-    return [changed(part) if hit else part for part, hit in zip(parts, hits, strict=True)]
+    return [changed(part) if hit else part for part, hit in zip(_edited(parts, hits, table), hits, strict=True)]
+
+
+def _edited(parts: list[Part], hits: list[bool], table: Table) -> list[Part]:
+    """The parts, with the selected ones turned, moved and bent; those that share a name go together."""
+    if not any(key in table.values for key in EDIT):
+        return parts
+    by = edit_of(table)
+    names, edited = part_names([part.mesh for part in parts]), list(parts)
+    for name in dict.fromkeys(name for name, hit in zip(names, hits, strict=True) if hit):
+        own = [i for i, hit in enumerate(hits) if hit and names[i] == name]
+        try:
+            meshes = edit(tuple(parts[i].mesh for i in own), by)
+        except AnamorphError as error:
+            table.wrong(next(key for key in EDIT if key in table.values), str(error))
+        for i, mesh in zip(own, meshes, strict=True):
+            edited[i] = replace(parts[i], mesh=mesh)
+    return edited
+
+
+def edit_of(table: Table) -> Edit:
+    """What a [[part]] says of how its parts are turned, moved and bent."""
+    numbers = (key for key in EDIT if key in table.values and key not in ("turn", "move"))
+    return Edit(
+        table.vector("turn", Edit.turn),
+        table.vector("move", Edit.move),
+        **{key: table.number(key, 0.0) for key in numbers},
+    )
 
 
 def selected(parts: list[Part], table: Table) -> list[bool]:
     if "name" not in table.values and "material" not in table.values:
         table.wrong(None, "part needs the key 'name' or 'material', to say which parts it changes")
 
-    def among(key: str, value: Callable[[Part], str]) -> list[bool]:
+    def among(key: str, *values: list[str]) -> list[bool]:
         if key not in table.values:
             return [True] * len(parts)
-        pattern, known = table.text(key), sorted({value(part) for part in parts} - {""})
-        hits = [fnmatchcase(value(part), pattern) for part in parts]
+        pattern, known = table.text(key), sorted({*chain(*values)} - {""})
+        hits = [any(fnmatchcase(value, pattern) for value in of_part) for of_part in zip(*values, strict=True)]
         if not any(hits):
             shown = ", ".join(known[:12]) + (", ..." if len(known) > 12 else "")
             kind = "part" if key == "name" else "material"
             table.wrong(key, f"no {kind} is called '{pattern}'{nearest(pattern, known)} (known: {shown or 'none'})")
         return hits
 
-    by_name = among("name", lambda part: part.mesh.name)
-    by_material = among("material", lambda part: part.material)
+    meshes = [part.mesh for part in parts]
+    by_name = among("name", [mesh.name for mesh in meshes], part_names(meshes))
+    by_material = among("material", [part.material for part in parts])
     return [one and other for one, other in zip(by_name, by_material, strict=True)]
 
 

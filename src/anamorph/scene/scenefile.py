@@ -183,11 +183,7 @@ def _edited(parts: list[Part], hits: list[bool], table: Table) -> list[Part]:
     """The parts, with the selected ones turned, moved and bent; those that share a name go together."""
     if not any(key in table.values for key in EDIT):
         return parts
-    numbers = (key for key in EDIT if key in table.values and key not in ("turn", "move"))
-    still = (0.0, 0.0, 0.0)
-    by = Edit(
-        table.vector("turn", still), table.vector("move", still), **{key: table.number(key, 0.0) for key in numbers}
-    )
+    by = edit_of(table)
     names, edited = part_names([part.mesh for part in parts]), list(parts)
     for name in dict.fromkeys(name for name, hit in zip(names, hits, strict=True) if hit):
         own = [i for i, hit in enumerate(hits) if hit and names[i] == name]
@@ -198,6 +194,16 @@ def _edited(parts: list[Part], hits: list[bool], table: Table) -> list[Part]:
         for i, mesh in zip(own, meshes, strict=True):
             edited[i] = replace(parts[i], mesh=mesh)
     return edited
+
+
+def edit_of(table: Table) -> Edit:
+    """What a [[part]] says of how its parts are turned, moved and bent."""
+    numbers = (key for key in EDIT if key in table.values and key not in ("turn", "move"))
+    return Edit(
+        table.vector("turn", Edit.turn),
+        table.vector("move", Edit.move),
+        **{key: table.number(key, 0.0) for key in numbers},
+    )
 
 
 def selected(parts: list[Part], table: Table) -> list[bool]:

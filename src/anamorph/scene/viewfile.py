@@ -9,13 +9,10 @@ from __future__ import annotations
 import os
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
-from decimal import Decimal
+from dataclasses import asdict, dataclass, field, replace
 from glob import escape
 from pathlib import Path
 from typing import Any
-
-import numpy as np
 
 from anamorph.errors import AnamorphError
 from anamorph.output import check_output, save_text
@@ -23,18 +20,25 @@ from anamorph.scene import builtin
 from anamorph.scene.cad import FaceChoice
 from anamorph.scene.camera import Camera
 from anamorph.scene.checks import check_camera
+from anamorph.scene.editing import Edit
 from anamorph.scene.load import Part
 from anamorph.scene.model import Scene
 from anamorph.scene.opening import open_scene
-from anamorph.scene.scenefile import BASE, Settings, base_of, choice_of, eye_of, mirror_of, scene_of, selected
+from anamorph.scene.parts import specular_parts
+from anamorph.scene.scenefile import (
+    BASE,
+    EDIT,
+    Settings,
+    base_of,
+    choice_of,
+    edit_of,
+    eye_of,
+    mirror_of,
+    scene_of,
+    selected,
+)
 from anamorph.scene.tables import Table, read_tables
 from anamorph.scene.toml import toml_text
-
-VECTORS = {"turn": ("swivel", "tilt", "roll"), "move": ("right", "up", "outward")}
-"""Keys of a [[part]] with three numbers, and what each of these is called as a change."""
-
-NUMBERS = ("curvature", "cross_curvature", "reflectance", "power", "index")
-"""Keys of a [[part]] with one number, which is called the same as a change."""
 
 OF_A_VIEW = ("name", *BASE, "size", "method", "part", "eye", "view")
 
@@ -59,8 +63,8 @@ class Opened:
     settings : Settings
     camera : Camera
         The eye from which to look first.
-    values : mapping of str to float
-        The changes that the file notes, "PART/WHAT": degrees, millimetres, 1/m, dioptres.
+    edits : mapping of str to Edit
+        The changes that the file notes, by the name of the part.
     source : Source or None
         What names the scene; None for one that was made in Python.
     """
@@ -68,7 +72,7 @@ class Opened:
     scene: Scene
     settings: Settings
     camera: Camera
-    values: Mapping[str, float] = field(default_factory=dict)
+    edits: Mapping[str, Edit] = field(default_factory=dict)
     source: Source | None = None
 
 
@@ -86,69 +90,38 @@ def open_view(source: str | Path, choice: FaceChoice | None = None, mirror_of: s
 
 def _opened(top: Table) -> Opened | None:
     """The view that a file keeps; None if the file does more than that."""
-    edits = top.tables("part")
-    if "view" not in top.values or not set(top.values) <= set(OF_A_VIEW) or not all(map(_only_edits, edits)):
+    tables = top.tables("part")
+    if "view" not in top.values or not set(top.values) <= set(OF_A_VIEW) or not all(map(_only_edits, tables)):
         return None
     # The changes may be what puts the saved eye before its mirror: the scene alone is checked with its own.
     bare = {key: value for key, value in top.values.items() if key not in ("part", "eye")}
     scene, settings = scene_of(replace(top, values=bare))
-    parts = [Part(mesh) for mesh in scene.meshes]
-    values: dict[str, float] = {}
-    for table in edits:
-        selected(parts, table)
-        values |= _values(table)
+    for table in tables:
+        selected([Part(mesh) for mesh in scene.meshes], table)
+    edits = {_unescaped(table.text("name")): edit_of(table) for table in tables}
+    if len(edits) < len(tables) or not edits.keys() <= specular_parts(scene.meshes).keys():
+        return None
     base = base_of(top)
     source = Source(base, choice_of(top), mirror_of(top)) if base is not None else None
     camera = eye_of(top, scene)
     check_camera(camera, f"{top.path}: eye")
-    return Opened(scene, settings, camera, values, source)
+    return Opened(scene, settings, camera, edits, source)
 
 
 def _only_edits(table: Table) -> bool:
     """Whether a [[part]] names one part, and says nothing of it but what a view keeps."""
     pattern = table.text("name")
-    plain = escape(_unescaped(pattern)) == pattern != ""
-    return plain and set(table.values) <= {"name", *VECTORS, *NUMBERS}
+    return escape(_unescaped(pattern)) == pattern != "" and set(table.values) <= {"name", *EDIT}
 
 
 def _unescaped(pattern: str) -> str:
     return re.sub(r"\[([*?[])\]", r"\1", pattern)
 
 
-def _values(table: Table) -> dict[str, float]:
-    """The changes of a [[part]]; a turn or a move by nothing is none."""
-    part = _unescaped(table.text("name"))
-    values = {f"{part}/{key}": table.number(key, 0.0) for key in NUMBERS if key in table.values}
-    for key, names in VECTORS.items():
-        for name, number in zip(names, table.vector(key, (0.0, 0.0, 0.0)), strict=True):
-            if number:
-                values[f"{part}/{name}"] = number if key == "turn" else _millimetres(number)
-    return values
-
-
-def _millimetres(metres: float) -> float:
-    """The shortest number that divided by 1000 is `metres`, if there is one: what a user has set comes back."""
-    shifted = float(Decimal(repr(metres)).scaleb(3))
-    product = metres * 1000.0
-    near = (shifted, product, *(float(np.nextafter(product, side)) for side in (-np.inf, np.inf)))
-    return next((value for value in near if value / 1000.0 == metres), product)
-
-
-def _parts(values: Mapping[str, float]) -> list[dict[str, Any]]:
-    """Changes as [[part]] tables, one for each part."""
-    parts: dict[str, dict[str, Any]] = {}
-    for key, value in values.items():
-        part, _, what = key.rpartition("/")
-        table = parts.setdefault(part, {"name": escape(part)})
-        vector = next((vector for vector, names in VECTORS.items() if what in names), None)
-        if vector is not None:
-            numbers = table.setdefault(vector, [0.0, 0.0, 0.0])
-            numbers[VECTORS[vector].index(what)] = float(value) if vector == "turn" else float(value) / 1000.0
-        elif what in NUMBERS:
-            table[what] = float(value)
-        else:
-            raise AnamorphError(f"{key}: cannot be kept in a scene file; reset it before the view is saved")
-    return list(parts.values())
+def _part(name: str, by: Edit) -> dict[str, Any]:
+    """What is changed of a part, as the values of a [[part]]."""
+    said = {key: value for key, value in asdict(by).items() if value != getattr(Edit, key)}
+    return {"name": escape(name), **said}
 
 
 def save_view(
@@ -157,7 +130,7 @@ def save_view(
     camera: Camera,
     size: tuple[int, int],
     method: str,
-    values: Mapping[str, float],
+    edits: Mapping[str, Edit],
     view: Mapping[str, Any],
 ) -> None:
     """Write a scene file that opens the same view.
@@ -173,8 +146,8 @@ def save_view(
     size : (width, height)
         Of the picture, pixels.
     method : str
-    values : mapping of str to float
-        What has been changed, as in `Opened`.
+    edits : mapping of str to Edit
+        What has been changed, by the name of the part.
     view : mapping
         What else `viewer/views.py` wants to find again.
 
@@ -194,7 +167,7 @@ def save_view(
         **_base(opened.source, path.resolve().parent),
         "size": list(size),
         "method": method,
-        "part": _parts(values),
+        "part": [_part(name, by) for name, by in edits.items() if by != Edit()],
         "eye": eye_values(camera),
         "view": view,
     }

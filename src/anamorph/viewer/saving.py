@@ -17,6 +17,7 @@ from anamorph.measure.report import report_page
 from anamorph.scene.checks import check_scene
 from anamorph.scene.model import Scene
 from anamorph.scene.viewfile import Opened, save_view
+from anamorph.viewer.controls import edited, part_edits
 from anamorph.viewer.facts import Progress
 from anamorph.viewer.state import State
 from anamorph.viewer.views import view_of
@@ -47,7 +48,7 @@ def save_picture(path: str | Path, color: np.ndarray) -> str:
     return saved(path)
 
 
-def save_scene(path: str | Path, opened: Opened, state: State, scene: Scene, size: tuple[int, int]) -> str:
+def save_scene(path: str | Path, opened: Opened, state: State, size: tuple[int, int]) -> str:
     """Save a scene file that opens the same view.
 
     Parameters
@@ -57,8 +58,6 @@ def save_scene(path: str | Path, opened: Opened, state: State, scene: Scene, siz
     opened : Opened
         As the viewer began.
     state : State
-    scene : Scene
-        As it is shown, with what the state changes in it.
     size : (width, height)
         Of the picture, pixels.
 
@@ -67,8 +66,9 @@ def save_scene(path: str | Path, opened: Opened, state: State, scene: Scene, siz
     AnamorphError
         Also where the file could be written but not opened, as with the eye behind its mirror.
     """
-    check_scene(replace(scene, camera=state.camera))
-    save_view(path, opened, state.camera, size, state.first.method, state.values, view_of(state))
+    check_scene(replace(edited(opened.scene, state.values), camera=state.camera))
+    edits = part_edits(opened.scene, state.values)
+    save_view(path, opened, state.camera, size, state.first.method, edits, view_of(state))
     return saved(path)
 
 

@@ -2,23 +2,30 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from decimal import Decimal
 from typing import Any
+
+import numpy as np
 
 from anamorph.errors import AnamorphError
 from anamorph.methods import parse
+from anamorph.methods.averaging import MAXIMUM_SAMPLES
 from anamorph.scene.camera import Camera
 from anamorph.scene.checks import check_camera
+from anamorph.scene.editing import Edit
 from anamorph.scene.scenefile import camera_of
 from anamorph.scene.tables import Table
 from anamorph.scene.viewfile import Opened, eye_values
+from anamorph.viewer.controls import MOVES, SHAPES, TURNS
 from anamorph.viewer.state import Drawing, EyeSide, Half, Layer, State
 
 UNITS = ("mrad", "px")
 SECOND = "raytrace"
 """What the other half shows unless someone says otherwise: the truth."""
 
-MOST_SAMPLES = 32
 MOST_RESOLUTION = 4.0
+FAR = (-np.inf, np.inf)
 
 
 def view_of(state: State) -> dict[str, Any]:
@@ -55,7 +62,7 @@ def state_of(opened: Opened) -> State:
     first = Half(opened.settings.method)
     parse(first.method)
     table = opened.settings.view
-    plain = State(opened.camera, first, Half(SECOND), values=opened.values)
+    plain = State(opened.camera, first, Half(SECOND), values=values_of(opened.edits))
     if table is None:
         return plain
     table.only(*view_of(plain), "observer", "picked")
@@ -67,15 +74,33 @@ def state_of(opened: Opened) -> State:
         divider=table.number("divider", plain.divider, 0.0, 1.0),
         eye=EyeSide(table.choice("eye", EyeSide, plain.eye)),
         observer=_observer(table),
-        values=opened.values,
+        values=values_of(opened.edits),
         unit=table.choice("unit", UNITS, plain.unit),
         drawings=frozenset(map(Drawing, table.words("drawings", Drawing))),
-        samples=table.whole("samples", plain.samples, 1, MOST_SAMPLES),
+        samples=table.whole("samples", plain.samples, 1, MAXIMUM_SAMPLES),
         resolution=table.number("resolution", plain.resolution, 0.0, MOST_RESOLUTION),
         panel=table.flag("panel", plain.panel),
         help=table.flag("help", plain.help),
         picked=_picked(table),
     )
+
+
+def values_of(edits: Mapping[str, Edit]) -> dict[str, float]:
+    """The values of controls that make these changes; a turn or a move by nothing is none."""
+    values: dict[str, float] = {}
+    for name, by in edits.items():
+        turned = {f"{name}/{what}": angle for what, angle in zip(TURNS, by.turn, strict=True) if angle}
+        moved = {f"{name}/{what}": _millimetres(way) for what, way in zip(MOVES, by.move, strict=True) if way}
+        shaped = {f"{name}/{what}": getattr(by, what) for what in SHAPES if getattr(by, what) is not None}
+        values |= turned | moved | shaped
+    return values
+
+
+def _millimetres(metres: float) -> float:
+    """What a control was set to that moves by `metres`: the roundest of the numbers that come to just that."""
+    product = 1e3 * metres
+    near = (float(Decimal(repr(metres)).scaleb(3)), product, *(float(np.nextafter(product, side)) for side in FAR))
+    return next((value for value in near if 1e-3 * value == metres), product)
 
 
 def _method(table: Table) -> str:

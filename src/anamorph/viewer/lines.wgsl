@@ -75,7 +75,7 @@ fn stroke_vertex(@builtin(vertex_index) corner: u32, @builtin(instance_index) nu
         fragment.place = vec4f(2.0, 2.0, 0.0, 1.0);
         return fragment;
     }
-    // From the nearer end: what is short beside its distance keeps its digits.
+    // Ends that are not clipped stay exactly where they are.
     let first = pixel(select(a + part.x * (b - a), a, part.x == 0.0), margin);
     let second = pixel(select(a + part.y * (b - a), b, part.y == 1.0), margin);
     let way = second - first;

@@ -55,34 +55,50 @@ def number(
     shown : callable, optional
         The text for a value, in place of the number with its unit.
     """
+    low, high = limits
+    ends = _drawn_ends(low, high, default)
+    # One digit more, where the value was typed or found, and is no whole number of steps.
     places = decimals(step)
-    width = field_width()
+    places += abs(value - round(value / step) * step) > 1e-6 * step
     said = shown(value) if shown else number_text(value, places, unit)
-    if text_width(label) + text_width(said) + 20.0 > width:
+    width = field_width()
+    widest = max(text_width(number_text(end, decimals(step) + 1, unit)) for end in ends)
+    # Not by the value itself: the label would jump about while it is dragged.
+    if shown or text_width(label) + widest + 20.0 > width:
         wrapped(label, theme.FAINT)
         label = ""
-    low, high = limits
-    flags = imgui.SliderFlags_.always_clamp | imgui.SliderFlags_.no_round_to_format
+    typed = _typed_into(key)
+    flags = imgui.SliderFlags_.no_round_to_format
     flags |= imgui.SliderFlags_.logarithmic if logarithmic else imgui.SliderFlags_.none
     imgui.set_next_item_width(width)
     imgui.push_style_color(imgui.Col_.slider_grab, theme.CLEAR)
     imgui.push_style_color(imgui.Col_.slider_grab_active, theme.CLEAR)
-    imgui.push_style_color(imgui.Col_.text, theme.TEXT if _typed_into(key) else theme.CLEAR)
-    changed, new = imgui.slider_float(f"##{key}", value, low, high, f"%.{places}f", flags)
+    imgui.push_style_color(imgui.Col_.text, theme.TEXT if typed else theme.CLEAR)
+    changed, new = imgui.slider_float(f"##{key}", value, *ends, f"%.{places}f", flags)
     imgui.pop_style_color(3)
     sheet.mark(key)
     if not _typed_into(key):
-        _fill(_share(value, low, high, logarithmic))
+        _fill(_share(value, *ends, logarithmic))
         _words(label, said)
     if not imgui.is_item_active():
-        ends = f"From {number_text(low, places)} to {number_text(high, places, unit)}. Ctrl-click to type."
-        tip(f"{summary}\n{ends}".lstrip("\n"))
-    if changed:
-        value = min(max(round(round(new / step) * step, 9), low), high)
-    if abs(value - default) > 1e-9 * max(abs(low), abs(high), step):
+        tip("\n".join(filter(None, (summary, _between(low, high, places, unit), "Ctrl-click to type."))))
+    if changed and math.isfinite(new):
+        # imgui counts in float32; what is typed is not rounded to steps.
+        value = min(max(round(new if typed else round(new / step) * step, 6), low), high)
+    if abs(value - default) > 1e-6 * step:
         imgui.same_line(0.0, 2.0)
         if sign(sheet, f"{key}/reset", "reset", f"Back to {number_text(default, places, unit)}"):
             value = default
+    return value
+
+
+def text(sheet: Sheet, key: str, label: str, value: str, summary: str = "") -> str:
+    """A text to type, taken when Enter is pressed; its new value."""
+    wrapped(label, theme.FAINT)
+    imgui.set_next_item_width(field_width())
+    _, value = imgui.input_text(f"##{key}", value, imgui.InputTextFlags_.enter_returns_true)
+    sheet.mark(key)
+    tip(summary)
     return value
 
 
@@ -120,6 +136,20 @@ def _listed(sheet: Sheet, key: str, value: str, choices: Sequence[Choice]) -> st
         sheet.mark(f"{key}/{each.value}")
         tip(each.reason or each.summary)
     return chosen
+
+
+def _drawn_ends(low: float, high: float, default: float) -> tuple[float, float]:
+    """Where a slider ends: at the limits, or where there is none far enough from the default."""
+    reach = max(10.0, 4.0 * abs(default))
+    return low if math.isfinite(low) else -reach, high if math.isfinite(high) else reach
+
+
+def _between(low: float, high: float, places: int, unit: str) -> str:
+    if not math.isfinite(low):
+        return ""
+    if not math.isfinite(high):
+        return f"{number_text(low, places, unit)} or more"
+    return f"{number_text(low, places)} to {number_text(high, places, unit)}"
 
 
 def _typed_into(key: str) -> bool:

@@ -10,10 +10,10 @@ from itertools import pairwise
 
 from imgui_bundle import imgui
 
-from anamorph.measure import heatmap
+from anamorph.measure.heatmap import VIRIDIS
 from anamorph.viewer import theme
 from anamorph.viewer.facts import Rectangle
-from anamorph.viewer.measured import ERROR_MARKS, STATUS_COLORS, scale_ticks
+from anamorph.viewer.measured import ERROR_MARKS, STATUS_COLORS, Color, scale_ticks
 from anamorph.viewer.sheet import Sheet
 from anamorph.viewer.state import Half, Layer, State
 from anamorph.viewer.wording import name_text
@@ -88,51 +88,55 @@ def _caption(sheet: Sheet, key: str, text: str, room: Rectangle) -> float:
 
 
 def _scale(sheet: Sheet, key: str, unit: str, room: Rectangle) -> None:
-    """The colours of errors, from the lowest at the bottom to the highest on top."""
+    """The colours of errors, from the lowest at the bottom to the highest, and below the marks that stand apart."""
     ticks = scale_ticks(unit)
-    words = [*(label for _, label in ticks), *ERROR_MARKS]
-    across = 2.0 * PAD + BAR_WIDTH + 8.0 + max(imgui.calc_text_size(word).x for word in words)
-    marked = PAD + 2.0 * LINE_HEIGHT + BAR_HEIGHT
-    below = marked + PAD + LINE_HEIGHT * len(ERROR_MARKS)
+    across = max(_swatch_width(name) for name in ERROR_MARKS)
+    below = PAD + 1.5 * LINE_HEIGHT + BAR_HEIGHT + LINE_HEIGHT * (len(ERROR_MARKS) + 0.5)
     if (place := _fitted(room, across, below)) is None:
         return
     left, top = place
     _ground(sheet, key, (left, top, left + across, top + below))
     lines, color = imgui.get_background_draw_list(), imgui.get_color_u32(theme.TEXT)
-    lines.add_text((left + PAD, top + PAD / 2.0), color, unit)
+    lines.add_text((left + PAD, top + PAD / 2.0), color, f"error, {unit}")
     x, low = left + PAD, top + PAD + 1.5 * LINE_HEIGHT + BAR_HEIGHT
-    step = BAR_HEIGHT / (len(heatmap.VIRIDIS) - 1)
-    colors = [imgui.get_color_u32(_of_hex(each)) for each in heatmap.VIRIDIS]
+    step = BAR_HEIGHT / (len(VIRIDIS) - 1)
+    colors = [imgui.get_color_u32(_of_hex(each)) for each in VIRIDIS]
     for number, (under, over) in enumerate(pairwise(colors)):
         y = low - number * step
         lines.add_rect_filled_multi_color((x, y - step), (x + BAR_WIDTH, y), over, over, under, under)
-    for share, label in ticks:
+    for share, tick in ticks:
         y = low - share * BAR_HEIGHT
         lines.add_rect_filled((x + BAR_WIDTH, y - 0.5), (x + BAR_WIDTH + 4.0, y + 0.5), color)
-        lines.add_text((x + BAR_WIDTH + 8.0, y - LINE_HEIGHT / 2.0), color, label)
-    _named(ERROR_MARKS, (x, top + marked))
+        lines.add_text((x + BAR_WIDTH + 8.0, y - LINE_HEIGHT / 2.0), color, tick)
+    _swatches(ERROR_MARKS, x, low + 0.5 * LINE_HEIGHT)
 
 
 def _statuses(sheet: Sheet, key: str, room: Rectangle) -> None:
     """How a pixel got its value, by colour."""
     names = {name_text(status.name): color for status, color in STATUS_COLORS.items()}
-    across = 2.0 * PAD + BAR_WIDTH + 8.0 + max(imgui.calc_text_size(name).x for name in names)
+    across = max(_swatch_width(name) for name in names)
     below = PAD + LINE_HEIGHT * len(names)
     if (place := _fitted(room, across, below)) is None:
         return
     left, top = place
     _ground(sheet, key, (left, top, left + across, top + below))
-    _named(names, (left + PAD, top + PAD / 2.0))
+    _swatches(names, left + PAD, top + PAD / 2.0)
 
 
-def _named(colors: Mapping[str, tuple[int, int, int]], corner: tuple[float, float]) -> None:
-    """What colours mean, one below the other from a left top corner."""
-    lines, text, (x, top) = imgui.get_background_draw_list(), imgui.get_color_u32(theme.TEXT), corner
+def _swatch_width(name: str) -> float:
+    return 2.0 * PAD + BAR_WIDTH + 8.0 + imgui.calc_text_size(name).x
+
+
+def _swatches(colors: Mapping[str, Color], x: float, y: float) -> None:
+    """Names beside their colours, one a line."""
+    lines, words = imgui.get_background_draw_list(), imgui.get_color_u32(theme.TEXT)
     for number, (name, (red, green, blue)) in enumerate(colors.items()):
-        y = top + number * LINE_HEIGHT
-        color = imgui.get_color_u32((red / 255.0, green / 255.0, blue / 255.0, 1.0))
-        lines.add_rect_filled((x, y + 3.0), (x + BAR_WIDTH, y + 14.0), color)
-        lines.add_text((x + BAR_WIDTH + 8.0, y), text, name)
+        low = y + number * LINE_HEIGHT
+        # An edge, because some of the colours are as dark as what is behind them.
+        lines.add_rect_filled((x, low + 2.0), (x + BAR_WIDTH, low + 15.0), words)
+        filled = imgui.get_color_u32((red / 255.0, green / 255.0, blue / 255.0, 1.0))
+        lines.add_rect_filled((x + 1.0, low + 3.0), (x + BAR_WIDTH - 1.0, low + 14.0), filled)
+        lines.add_text((x + BAR_WIDTH + 8.0, low), words, name)
 
 
 def _fitted(room: Rectangle, across: float, below: float) -> tuple[float, float] | None:

@@ -2,19 +2,18 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import fields, replace
 from functools import lru_cache
 from typing import Any
-
-from imgui_bundle import imgui
 
 from anamorph.errors import AnamorphError
 from anamorph.methods import METHODS, Method, parse
 from anamorph.viewer import theme
 from anamorph.viewer.controls import OptionControl, option_controls
 from anamorph.viewer.facts import Facts
-from anamorph.viewer.fields import Choice, number, word
-from anamorph.viewer.sheet import Sheet, button, caption, checkbox, choice, section, wrapped
+from anamorph.viewer.fields import Choice, number, text, word
+from anamorph.viewer.sheet import Sheet, button, caption, checkbox, choice, fold, section, wrapped
 from anamorph.viewer.state import Drawing, Half, Layer, State
 from anamorph.viewer.wording import size_text
 
@@ -30,6 +29,8 @@ DRAWINGS = (
     (Drawing.VIEWPOINT, "Virtual viewpoint", "The point that the bent rays come nearest to, and these rays"),
     (Drawing.VOLUME, "View volume", "What the map taken from the virtual viewpoint holds"),
 )
+
+UNIT_SIGNS = {"degrees": "°", "pixels": "px"}
 
 cached_options = lru_cache(maxsize=32)(option_controls)
 """A method's options; they are the same at every frame."""
@@ -69,8 +70,8 @@ def space_section(sheet: Sheet, state: State) -> State:
     if not section(sheet, "section/space", "In space", opened=False):
         return state
     drawings = set(state.drawings)
-    for drawing, text, summary in DRAWINGS:
-        if checkbox(sheet, f"space/{drawing}", text, drawing in drawings, summary):
+    for drawing, title, summary in DRAWINGS:
+        if checkbox(sheet, f"space/{drawing}", title, drawing in drawings, summary):
             drawings.add(drawing)
         else:
             drawings.discard(drawing)
@@ -94,7 +95,7 @@ def method_title(name: str) -> str:
 
 def _half(sheet: Sheet, key: str, half: Half, facts: Facts) -> Half:
     name = half.method.partition(":")[0]
-    chosen = word(sheet, f"{key}/method", "Method", name, _methods(facts), getattr(METHODS.get(name), "summary", ""))
+    chosen = word(sheet, f"{key}/method", "method", name, _methods(facts), getattr(METHODS.get(name), "summary", ""))
     half = half if chosen == name else replace(half, method=chosen)
     half = replace(half, layer=Layer(choice(sheet, f"{key}/layer", half.layer, LAYERS)))
     try:
@@ -102,20 +103,15 @@ def _half(sheet: Sheet, key: str, half: Half, facts: Facts) -> Half:
     except AnamorphError as error:
         wrapped(str(error), theme.WARNING)
         return half
-    controls = cached_options(method)
-    if not controls or not imgui.tree_node_ex(f"Options##{key}/options", imgui.TreeNodeFlags_.no_tree_push_on_open):
-        if controls:
-            sheet.mark(f"{key}/options")
+    if not fold(sheet, f"{key}/options", "Options", False):
         return half
-    sheet.mark(f"{key}/options")
-    for control in controls:
+    was = options
+    for control in cached_options(method):
         value = _option(sheet, f"{key}/{control.name}", control, getattr(options, control.name))
-        if value != getattr(options, control.name):
-            options = replace(options, **{control.name: value})
+        options = replace(options, **{control.name: value})
     if options != method.options() and button(sheet, f"{key}/reset", "Reset the options"):
         options = method.options()
-    said = specification(method, options)
-    return half if parse(half.method)[1] == options else replace(half, method=said)
+    return half if options == was else replace(half, method=specification(method, options))
 
 
 def _methods(facts: Facts) -> tuple[Choice, ...]:
@@ -132,15 +128,23 @@ def _draws(method: Method, facts: Facts) -> bool:
 
 def _option(sheet: Sheet, key: str, control: OptionControl, value: Any) -> Any:
     label = control.name.replace("_", " ")
-    if control.kind == "bool":
+    if control.kind == "flag":
         return checkbox(sheet, key, label, value, control.summary)
-    if control.choices:
+    if control.kind == "choice":
         choices = tuple(Choice(str(each), str(each)) for each in control.choices)
-        chosen = word(sheet, key, label, str(value), choices, control.summary)
-        return type(value)(chosen)
+        return type(value)(word(sheet, key, label, str(value), choices, control.summary))
+    if control.kind == "word":
+        return text(sheet, key, label, value, control.summary)
+    whole = control.kind == "whole"
     new = number(
-        sheet, key, label, float(value), (float(control.low), float(control.high)),
-        default=float(control.default), step=1.0 if control.kind == "int" else 0.01,
-        unit=control.unit, summary=control.summary,
-    )  # fmt: skip
-    return type(value)(round(new) if control.kind == "int" else new)
+        sheet,
+        key,
+        label,
+        float(value),
+        (-math.inf if control.low is None else control.low, math.inf if control.high is None else control.high),
+        default=float(control.default),
+        step=1.0 if whole else 0.01,
+        unit=UNIT_SIGNS.get(control.unit, control.unit),
+        summary=control.summary,
+    )
+    return round(new) if whole else new

@@ -20,12 +20,6 @@ def number_text(value: float, places: int, unit: str = "") -> str:
     return f"{digits}{unit if unit in ('', '°') else f' {unit}'}".replace("-", "\N{MINUS SIGN}")
 
 
-def curvature_text(curvature: float) -> str:
-    """A curvature, 1/m, with the radius that it is the inverse of."""
-    radius = "flat" if abs(curvature) < 1e-6 else f"r {number_text(1.0 / curvature, 2, 'm')}"
-    return f"{number_text(curvature, 3)} /m, {radius}"
-
-
 def figure(value: float | None) -> str:
     """Three digits of a value that is not negative, without powers of ten."""
     if value is None:

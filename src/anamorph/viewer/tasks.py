@@ -57,7 +57,7 @@ def saving_of(request: Request, shot: Shot, directory: Path) -> Saving:
     state, size = shot.state, shot.size
     match request:
         case Request.SAVE_SCENE:
-            return _at_once(lambda: save_scene(name(".toml"), shot.opened, state, shot.scene, size))
+            return _at_once(lambda: save_scene(name(".toml"), shot.opened, state, size))
         case Request.SAVE_COMPARISON:
             methods = tuple(dict.fromkeys(half.method for half in (state.first, state.second)))
             scene = replace(shot.scene, camera=looking_eye(state))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import tempfile
-from collections.abc import Callable
+from collections.abc import Callable, Hashable
 from functools import lru_cache
 from typing import Any, ParamSpec, TypeVar
 
@@ -43,6 +43,19 @@ def of_device_last(count: int | None) -> Callable[[Callable[_Given, _Made]], Cal
         return remembered  # type: ignore[return-value]
 
     return remembering
+
+
+@of_device
+def _made() -> dict[Hashable, Any]:
+    return {}
+
+
+def once(key: Hashable, make: Callable[[], Any]) -> Any:
+    """What `make` makes on the device, or has made before under the same key, which must say all about it."""
+    made = _made()
+    if key not in made:
+        made[key] = make()
+    return made[key]
 
 
 @of_device

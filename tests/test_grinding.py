@@ -19,7 +19,6 @@ from anamorph.scene.lens import Lens, Prescription, edge_thickness, make_lens, w
 from anamorph.scene.lens_mesh import lens_between
 from anamorph.scene.lens_pairs import lens_pairs
 from anamorph.scene.model import Glass
-from anamorph.scene.prescription import round_surface
 from anamorph.scene.sag import EvenAsphere
 from anamorph.scene.surfaces import BezierPatch
 
@@ -201,7 +200,7 @@ def test_a_lens_that_cannot_be_made_is_one_line(lens, power, index, words):
 
 
 def test_a_ball_lens_that_focuses_inside_has_no_power_and_a_thick_one_fewer_indices():
-    ball = [round_surface(np.array([0.0, 0.0, z]), axes, 100.0) for z, axes in ((0.02, AXES), (0.0, BEHIND))]
+    ball = [EvenAsphere(np.array([0.0, 0.0, z]), 100.0, axes=axes) for z, axes in ((0.02, AXES), (0.0, BEHIND))]
 
     def lens(index: float) -> Lens:
         return lens_between(ball[0], ball[1], np.zeros(3), AXES, 0.005, Glass(index), vertices=61)

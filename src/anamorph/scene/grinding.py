@@ -93,7 +93,10 @@ def optics_of(front: Mesh, back: Mesh) -> Optics | None:
     middle = box_middle((front,), upright_axes(outward, WORLD_UP))
     at = drop(front.surface, middle[None], outward)
     apex, axis = front.surface.position(at)[0], turned_normals(front.surface, at, outward[None])[0]
-    below = drop(back.surface, apex[None], axis)
+    # From a vertex near the axis, where no other side of the back's sphere is nearer.
+    heights = (np.asarray(back.positions, float) - apex) @ axis
+    aside = np.linalg.norm(back.positions - apex - np.outer(heights, axis), axis=1)
+    below = drop(back.surface, (apex + heights[aside.argmin()] * axis)[None], axis)
     if not (_centred(front.surface, at) and _centred(back.surface, below)):
         return None
     vertex, behind = back.surface.position(below)[0], turned_normals(back.surface, below, -axis[None])[0]
@@ -194,10 +197,14 @@ def ground(lens: Sequence[Mesh], power: float | None = None, index: float | None
 
 
 def _faces(front: Mesh, back: Mesh, optics: Optics, power: float, index: float) -> tuple[Mesh, Mesh]:
-    assert isinstance(front.surface, Grindable) and isinstance(back.surface, Grindable)
+    assert isinstance(front.surface, Grindable) and back.surface is not None and back.parameters is not None
     across, axis, turn = _across(back, optics), optics.axes[2], _prism_turn(optics, index)
     points = optics.vertex + across @ optics.axes[:2]
-    ends = [surface.position(drop(surface, points, axis)) @ axis for surface in (front.surface, back.surface)]
+    above = points + optics.thickness * axis
+    ends = [
+        front.surface.position(drop(front.surface, above, axis)) @ axis,
+        back.surface.position(back.parameters) @ axis,
+    ]
     wanted = min(LEAST_EDGE, float((ends[0] - ends[1]).min()))
     thickness, reach = optics.thickness, _reach(back, optics)
     for _ in range(30):

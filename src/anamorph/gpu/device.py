@@ -22,6 +22,8 @@ _LIMITS = (
     "max-buffer-size",
     "max-storage-buffer-binding-size",
 )
+_FEATURES = ("timestamp-query",)
+"""What is asked for wherever the adapter has it; nothing depends on it."""
 
 
 _Given = ParamSpec("_Given")
@@ -83,7 +85,8 @@ def get_device() -> wgpu.GPUDevice:
     adapter = get_adapter()
     limits = {name: adapter.limits[name] for name in _LIMITS}
     try:
-        return adapter.request_device_sync(required_limits=limits)
+        features = [name for name in _FEATURES if name in adapter.features]
+        return adapter.request_device_sync(required_limits=limits, required_features=features)
     except RuntimeError as error:
         raise AnamorphError(f"adapter {adapter_name()}: it gives no device ({str(error).splitlines()[0]})") from error
 

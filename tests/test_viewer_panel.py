@@ -35,7 +35,7 @@ FIGURES = Figures(
 )
 SEEN = Inspection(
     (412, 233), "pervertex", "box-3", (1.0, -2.0, 3.0), 4.0, "refined",
-    (Stop("eye", (0.0, 1.0, 0.0)), Stop("mirror", (0.0, 0.0, 0.0)), Stop("a box with a very long name", (-1.0, 2.0, -12.0))),
+    (Stop("eye", (0.0, 1.0, 0.0)), Stop("mirror", (0.0, 0.0, 0.0)), Stop("a box of long name", (-1.0, 2.0, -12.0))),
     "a box with a very long name", 12.3, 4.5, True,
 )  # fmt: skip
 
@@ -293,7 +293,7 @@ def test_a_very_long_name_and_message_leave_room_for_the_rest(opened, scene) -> 
     named = replace(scene, name="a scene with a name that goes on and on, " * 40)
     stage = opened((640, 480), of=named, told={"message": "w" * 6000})
     found = stage.drawn.rectangles
-    left, top, right, bottom = found["panel/body"]
+    _, top, _, bottom = found["panel/body"]
     assert bottom - top > 250.0
     assert inside(found["notice"], (0.0, 0.0, 640.0, 480.0)) and not overlap(found["notice"], found["panel"])
     assert inside(found["help/show"], found["panel"]) and inside(found["message/close"], found["notice"])
@@ -337,8 +337,9 @@ def test_a_specification_says_what_differs_and_reads_back(name) -> None:
 
 
 @pytest.mark.parametrize(
-    ("value", "text"), [(None, "\N{EN DASH}"), (0.0, "0.000"), (0.04321, "0.043"), (1.0, "1.00"), (12.34, "12.3"), (1234.5, "1234")]
-)  # fmt: skip
+    ("value", "text"),
+    [(None, "\N{EN DASH}"), (0.0, "0.000"), (0.04321, "0.043"), (1.0, "1.00"), (12.34, "12.3"), (1234.5, "1234")],
+)
 def test_figures_have_three_digits(value, text) -> None:
     assert figure(value) == text
 

@@ -20,9 +20,8 @@ def draw_notice(sheet: Sheet, facts: Facts, free: Rectangle) -> None:
     left, top, right, bottom = free
     width = min(WIDEST, right - left - 2.0 * theme.MARGIN)
     imgui.set_next_window_pos(((left + right) / 2.0, top + theme.MARGIN), imgui.Cond_.always, (0.5, 0.0))
-    imgui.set_next_window_size_constraints(
-        (width, 0.0), (width, max(min(0.5 * (bottom - top), bottom - top - LEGEND), 60.0))
-    )
+    highest = max(min(0.5 * (bottom - top), bottom - top - LEGEND), 60.0)
+    imgui.set_next_window_size_constraints((width, 0.0), (width, highest))
     flags = imgui.WindowFlags_.no_title_bar | imgui.WindowFlags_.no_resize | imgui.WindowFlags_.no_move
     flags |= imgui.WindowFlags_.always_auto_resize | imgui.WindowFlags_.no_saved_settings
     flags |= imgui.WindowFlags_.no_focus_on_appearing

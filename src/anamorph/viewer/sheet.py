@@ -179,6 +179,7 @@ def choice(sheet: Sheet, key: str, chosen: str, words: Sequence[tuple[str, str]]
 def fold(sheet: Sheet, key: str, title: str, opened: bool) -> bool:
     """A smaller heading that folds what follows; whether that is to be drawn."""
     flags = imgui.TreeNodeFlags_.no_tree_push_on_open | imgui.TreeNodeFlags_.span_avail_width
+    flags |= imgui.TreeNodeFlags_.frame_padding
     flags |= imgui.TreeNodeFlags_.default_open if opened else imgui.TreeNodeFlags_.none
     shown = imgui.tree_node_ex(f"{title}##{key}", flags)
     sheet.mark(key)

@@ -10,7 +10,7 @@ from PIL import Image, ImageDraw, ImageFont
 import anamorph as an
 from anamorph import demo
 from anamorph.measure.errors import measure
-from anamorph.measure.heatmap import TICKS, heat_map, scale_colors
+from anamorph.measure.heatmap import MILLIRADIANS, heat_map, scale_colors
 from anamorph.output import to_pixels, whole_file
 
 PICTURES = Path(__file__).resolve().parent / "pictures"
@@ -50,12 +50,13 @@ def scale() -> np.ndarray:
     """The colours of the error maps, with their milliradians."""
     width, height, margin = 640, 24, 48
     picture = Image.new("RGB", (width + 2 * margin, 64), "white")
-    errors = np.geomspace(TICKS[0], TICKS[-1], width)
+    ticks = MILLIRADIANS.ticks
+    errors = np.geomspace(ticks[0], ticks[-1], width)
     picture.paste(Image.fromarray(np.tile(scale_colors(errors), (height, 1, 1))), (margin, 4))
     draw = ImageDraw.Draw(picture)
-    for index, tick in enumerate(TICKS):
-        place = margin + index * width / (len(TICKS) - 1)
-        unit = " mrad" if index == len(TICKS) - 1 else ""
+    for index, tick in enumerate(ticks):
+        place = margin + index * width / (len(ticks) - 1)
+        unit = " mrad" if index == len(ticks) - 1 else ""
         draw.text((place, 34), f"{tick:g}{unit}", "black", ImageFont.load_default(18), "mt")
     return np.asarray(picture)
 

@@ -192,7 +192,7 @@ def test_vertices_that_cannot_be_are_refused_and_nothing_changes(change, words):
 
 
 def test_an_unknown_way_to_keep_the_tree_is_refused():
-    with pytest.raises(AnamorphError, match="tree is grow; give refit or rebuild"):
+    with pytest.raises(AnamorphError, match="tree is 'grow'; give refit or rebuild"):
         open_view(SCENE, "raytrace:tree=grow")
 
 

@@ -14,7 +14,7 @@ ROOT = Path(__file__).resolve().parents[1]
 PACKAGE = ROOT / "src" / "anamorph"
 MODULES = sorted(PACKAGE.rglob("*.py"))
 
-FOUNDATIONS = {"errors", "interrupt", "compiled", "output", "progress", "quiet", "srgb", "versions"}
+FOUNDATIONS = {"errors", "interrupt", "compiled", "output", "progress", "quiet", "srgb", "steps", "versions", "video"}
 """Modules that know nothing of scenes or pictures; every room may use them, and they use only each other."""
 
 BELOW: dict[str, set[str]] = {
@@ -34,7 +34,7 @@ BELOW: dict[str, set[str]] = {
 }
 """What each room may import, besides itself and the foundations."""
 
-ON_TOP = {"__init__", "__main__", "arguments", "cli", "demo", "rendering"}
+ON_TOP = {"__init__", "__main__", "arguments", "cli", "demo", "rendering", "turntable"}
 """What may import anything, and what nothing below imports."""
 
 REGISTRIES = re.compile(

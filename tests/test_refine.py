@@ -6,12 +6,13 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from error_twin import seen_directions
 from scenes import drawn, flat_mirror, open_view, scene_with, spherical_mirror
 
 from anamorph.errors import AnamorphError
 from anamorph.frame import Status
 from anamorph.gpu.targets import read_texture
-from anamorph.measure.angles import angles_between, normalized, seen_directions
+from anamorph.measure.angles import angles_between, normalized
 from anamorph.measure.errors import measure
 from anamorph.methods import pervertex
 from anamorph.methods.mend import TILE, doubtful_tiles

@@ -21,7 +21,7 @@ from anamorph.frame import Status, View
 from anamorph.measure import compare as compare_module
 from anamorph.measure.compare import Comparison, compare
 from anamorph.measure.figures import ROWS, number, rows_of
-from anamorph.measure.heatmap import HIGHEST, LOWEST, VIRIDIS, heat_map, scale_colors
+from anamorph.measure.heatmap import MILLIRADIANS, VIRIDIS, heat_map, scale_colors
 from anamorph.measure.report import report_page, specular_box
 from anamorph.measure.status import status_shares
 from anamorph.measure.table import comparison_table, print_table
@@ -278,7 +278,8 @@ def test_status_shares_count_only_what_they_are_told_to():
 def test_the_scale_is_logarithmic_and_has_ends():
     first, last = (tuple(int(color[i : i + 2], 16) for i in (1, 3, 5)) for color in (VIRIDIS[0], VIRIDIS[-1]))
     middle = tuple(int(VIRIDIS[4][i : i + 2], 16) for i in (1, 3, 5))
-    colors = scale_colors(np.array([0.0, LOWEST, np.sqrt(LOWEST * HIGHEST), HIGHEST, 1e9]))
+    low, high = MILLIRADIANS.lowest, MILLIRADIANS.highest
+    colors = scale_colors(np.array([0.0, low, np.sqrt(low * high), high, 1e9]))
     assert [tuple(int(c) for c in color) for color in colors] == [first, first, middle, last, last]
 
 

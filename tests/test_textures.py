@@ -16,7 +16,7 @@ def test_a_transparent_texel_keeps_its_colour_when_it_is_resized(monkeypatch) ->
     pixels = np.full((3, 5, 4), (200, 100, 50, 0), np.uint8)
     uploaded: list[np.ndarray] = []
     monkeypatch.setattr(textures, "_upload", uploaded.extend)
-    textures.texture_array([Texture(pixels)])
+    textures.texture_array((Texture(pixels),))
     assert uploaded[1].shape == (8, 8, 4)
     assert (uploaded[1][..., :3] == (200, 100, 50)).all()
 
@@ -33,7 +33,7 @@ def test_more_images_or_vertices_than_the_device_takes_are_refused() -> None:
     limits = get_device().limits
     white = Texture(np.full((1, 1, 4), 255, np.uint8))
     with pytest.raises(AnamorphError, match="images"):
-        textures.texture_array([white] * limits["max-texture-array-layers"])
+        textures.texture_array((white,) * limits["max-texture-array-layers"])
     vertices = np.broadcast_to(np.float32(0.0), limits["max-storage-buffer-binding-size"] // 4 + 1)
     with pytest.raises(AnamorphError, match="in one buffer"):
         storage_buffer(vertices)

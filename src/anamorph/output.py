@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import os
+import shutil
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -62,10 +63,52 @@ def whole_file(path: str | Path) -> Iterator[BinaryIO]:
                 yield file
             os.replace(unfinished, path)
     except OSError as error:
-        reason = error.strerror or error
-        raise AnamorphError(f"{path}: cannot be written ({reason}); free space or choose another") from error
+        raise _unwritten(path, error) from error
     finally:
         unfinished.unlink(missing_ok=True)
+
+
+@contextmanager
+def whole_folder(path: str | Path) -> Iterator[Path]:
+    """An empty folder that takes its name only when the block ends well, and is gone with all in it when it does not.
+
+    A folder of that name must be empty, or not there.
+    """
+    path = check_folder(Path(path)).resolve()
+    unfinished = path.with_name(f".{path.name}.{os.getpid()}.part")
+
+    def remove() -> None:
+        shutil.rmtree(unfinished, ignore_errors=True)
+
+    try:
+        with on_interrupt(remove):
+            unfinished.mkdir()
+            yield unfinished
+            if path.is_dir():
+                path.rmdir()
+            os.replace(unfinished, path)
+    except OSError as error:
+        raise _unwritten(path, error) from error
+    finally:
+        remove()
+
+
+def check_folder(path: Path) -> Path:
+    """Refuse a name that no new folder could take, before any work is done for it."""
+    if path.is_dir() and any(path.iterdir()):
+        raise AnamorphError(f"{path}: is there already and holds files; give a new folder")
+    if path.is_dir():
+        check_directory(path)
+    elif path.exists():
+        raise AnamorphError(f"{path}: is there already and is no directory; choose another name")
+    else:
+        check_output(path)
+    return path
+
+
+def _unwritten(path: Path, error: OSError) -> AnamorphError:
+    reason = error.strerror or error
+    return AnamorphError(f"{path}: cannot be written ({reason}); free space or choose another")
 
 
 def save_text(path: str | Path, text: str) -> None:

@@ -4,23 +4,20 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Callable
-from itertools import product
 from pathlib import Path
 from typing import Any
-
-import numpy as np
 
 from anamorph.errors import AnamorphError
 from anamorph.frame import Frame, View
 from anamorph.methods import METHODS, Method, Session, make_options, parse
+from anamorph.methods.averaging import averaging
 from anamorph.raymesh import RayMesh, check_ray_mesh
 from anamorph.scene.camera import Camera
 from anamorph.scene.checks import check_contents, check_scene
 from anamorph.scene.model import Scene
 from anamorph.scene.opening import open_scene
 from anamorph.scene.scenefile import Settings
-
-MAXIMUM_SAMPLES = 32
+from anamorph.steps import drain
 
 Drawn = Callable[[int, int], None]
 """Told the shifted pictures that are drawn, and their number."""
@@ -34,15 +31,7 @@ def draw_frame(view: View, specification: str, seen: bool = False, tell: Drawn =
 
 def accumulate(view: View, session: Session, seen: bool = False, tell: Drawn = lambda done, total: None) -> Frame:
     """Average the shifted pictures that `view.samples` asks for; seen buffers are those of pixel centres."""
-    if not isinstance(view.samples, int | np.integer) or not 1 <= view.samples <= MAXIMUM_SAMPLES:
-        raise AnamorphError(f"samples is {view.samples}; give a whole number from 1 to {MAXIMUM_SAMPLES} a side")
-    steps = (np.arange(view.samples) + 0.5) / view.samples - 0.5
-    total = np.zeros((view.size[1], view.size[0], 3))
-    for done, (y, x) in enumerate(product(steps, steps), start=1):
-        session.draw(view.camera, (float(x), float(y)))
-        total += session.frame().color
-        tell(done, view.samples**2)
-    color = (total / view.samples**2).astype(np.float32)
+    color = drain(averaging(session, view.camera, view.samples), lambda drawn: tell(*drawn))
     if not seen:
         return Frame(color, ray_mesh=isinstance(view.camera, RayMesh))
     if view.samples > 1:

@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cache
 
 import numpy as np
 import wgpu
 
 from anamorph.errors import AnamorphError
 from anamorph.gpu.bindings import SAMPLER, STORAGE, bind, layout_of, texture
-from anamorph.gpu.device import get_device
+from anamorph.gpu.device import get_device, of_device
 from anamorph.gpu.textures import sky_texture, texture_array, texture_sampler
 from anamorph.scene.geometry import Geometry
 from anamorph.scene.model import (
@@ -83,7 +82,7 @@ class SceneBuffers:
     shading: wgpu.GPUBindGroup
 
 
-@cache
+@of_device
 def shading_layout() -> wgpu.GPUBindGroupLayout:
     """The layout of group 0: lighting, objects, textures and sky."""
     return layout_of(STORAGE, STORAGE, texture("2d-array"), SAMPLER, texture(), SAMPLER)
@@ -157,15 +156,15 @@ def pack_vertices(geometry: Geometry) -> np.ndarray:
     return vertices
 
 
-def _distinct_textures(scene: Scene) -> list[Texture]:
+def _distinct_textures(scene: Scene) -> tuple[Texture, ...]:
     textures: dict[int, Texture] = {}
     for mesh in scene.meshes:
         if isinstance(mesh.material, Diffuse) and mesh.material.texture is not None:
             textures.setdefault(id(mesh.material.texture), mesh.material.texture)
-    return list(textures.values())
+    return tuple(textures.values())
 
 
-def _objects(scene: Scene, textures: list[Texture]) -> np.ndarray:
+def _objects(scene: Scene, textures: tuple[Texture, ...]) -> np.ndarray:
     layers = {id(texture): layer for layer, texture in enumerate(textures, start=1)}
     objects = np.zeros(len(scene.meshes), OBJECT)
     for row, mesh in zip(objects, scene.meshes, strict=True):

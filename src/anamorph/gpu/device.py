@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import os
 import tempfile
-from functools import cache
+from collections.abc import Callable
+from functools import lru_cache
+from typing import Any, ParamSpec, TypeVar
 
 from anamorph.errors import AnamorphError
 
@@ -22,7 +24,28 @@ _LIMITS = (
 )
 
 
-@cache
+_Given = ParamSpec("_Given")
+_Made = TypeVar("_Made")
+_forgetful: list[Any] = []
+
+
+def of_device(make: Callable[_Given, _Made]) -> Callable[_Given, _Made]:
+    """Make once what lives on the device, as `functools.cache` does, until the device is forgotten."""
+    return of_device_last(None)(make)
+
+
+def of_device_last(count: int | None) -> Callable[[Callable[_Given, _Made]], Callable[_Given, _Made]]:
+    """Like `of_device`, for what is large: only the `count` that were asked for last are kept."""
+
+    def remembering(make: Callable[_Given, _Made]) -> Callable[_Given, _Made]:
+        remembered = lru_cache(count)(make)
+        _forgetful.append(remembered)
+        return remembered  # type: ignore[return-value]
+
+    return remembering
+
+
+@of_device
 def get_adapter() -> wgpu.GPUAdapter:
     """The best adapter there is.
 
@@ -41,15 +64,43 @@ def get_adapter() -> wgpu.GPUAdapter:
     return adapter
 
 
-@cache
+@of_device
 def get_device() -> wgpu.GPUDevice:
-    """The process's device, made at the first call."""
+    """The process's device, made at the first call, and anew at the first after it was forgotten."""
     adapter = get_adapter()
     limits = {name: adapter.limits[name] for name in _LIMITS}
     try:
         return adapter.request_device_sync(required_limits=limits)
     except RuntimeError as error:
         raise AnamorphError(f"adapter {adapter_name()}: it gives no device ({str(error).splitlines()[0]})") from error
+
+
+@of_device
+def _probe() -> wgpu.GPUBuffer:
+    return get_device().create_buffer(size=4, usage=wgpu.BufferUsage.COPY_DST)
+
+
+def device_lost() -> str | None:
+    """Why the device is lost, in one line; None while it works.
+
+    wgpu 0.32 tells nobody of a loss, but most calls after it raise `wgpu.GPUError`: this makes one. Ask before a
+    window's next texture is taken (`get_current_texture`): on a lost device that call ends the process.
+    """
+    try:
+        get_device().queue.write_buffer(_probe(), 0, bytes(4))
+    except wgpu.GPUError as error:
+        lines = [line.strip() for line in str(error).splitlines()]
+        return next((line for line in lines if "lost" in line.lower()), None)
+    return None
+
+
+def forget_device() -> None:
+    """Drop the device and all that was remembered of it: the next call of `get_device` makes another.
+
+    Sessions, buffers and textures that others hold stay with the old device; open them again.
+    """
+    for remembered in _forgetful:
+        remembered.cache_clear()
 
 
 def adapter_name() -> str:

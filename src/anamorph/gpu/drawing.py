@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from functools import cache
 from importlib import resources
 from typing import Any
 
@@ -13,7 +12,7 @@ import wgpu
 
 from anamorph.gpu.bindings import UNIFORM, bind, layout_of
 from anamorph.gpu.buffers import VERTEX_LAYOUT, SceneBuffers, shading_layout
-from anamorph.gpu.device import get_device
+from anamorph.gpu.device import get_device, of_device
 from anamorph.gpu.targets import COLOR_FORMAT, DEPTH_FORMAT, MAP_FORMATS, SEEN_FORMATS
 from anamorph.projection import UNIFORM_BYTES, Projection
 
@@ -25,7 +24,7 @@ def shader_module(*names: str) -> wgpu.GPUShaderModule:
     return get_device().create_shader_module(code="\n".join((root / name).read_text("utf-8") for name in files))
 
 
-@cache
+@of_device
 def projection_layout() -> wgpu.GPUBindGroupLayout:
     """The layout of group 1: one projection."""
     return layout_of(UNIFORM, stages=wgpu.ShaderStage.VERTEX | wgpu.ShaderStage.FRAGMENT)
@@ -126,19 +125,19 @@ def _scene_pipelines(
     )
 
 
-@cache
+@of_device
 def color_pipelines(samples: int = 1, mirrored: bool = False) -> ScenePipelines:
     """Shaded colour; `mirrored` for projections whose pictures are left-handed, as a cube map's faces are."""
     return _scene_pipelines("scene_color", "stand_in_color", "sky_color_fragment", (COLOR_FORMAT,), samples, mirrored)
 
 
-@cache
+@of_device
 def seen_pipelines() -> ScenePipelines:
     """The seen buffers of a frame."""
     return _scene_pipelines("scene_seen", "scene_seen", "sky_seen", SEEN_FORMATS)
 
 
-@cache
+@of_device
 def color_and_depth_pipelines() -> ScenePipelines:
     """Colour and a map's depth in one pass."""
     return _scene_pipelines(
@@ -146,13 +145,13 @@ def color_and_depth_pipelines() -> ScenePipelines:
     )
 
 
-@cache
+@of_device
 def map_pipelines(mirrored: bool = False) -> ScenePipelines:
     """Depth with its slopes, from which a map's reader finds the seen point."""
     return _scene_pipelines("scene_depth", "stand_in_depth", "sky_depth", MAP_FORMATS, mirrored=mirrored)
 
 
-@cache
+@of_device
 def end_pipelines() -> ScenePipelines:
     """The point and the object that a map sees."""
     return _scene_pipelines("scene_end", "stand_in_end", "sky_end", MAP_FORMATS)
@@ -237,7 +236,7 @@ def submit(encoder: wgpu.GPUCommandEncoder) -> None:
     get_device().queue.submit([encoder.finish()])
 
 
-@cache
+@of_device
 def _token() -> wgpu.GPUBuffer:
     return get_device().create_buffer(size=4, usage=wgpu.BufferUsage.COPY_SRC | wgpu.BufferUsage.COPY_DST)
 

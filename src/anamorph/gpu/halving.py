@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cache
 
 import wgpu
 
 from anamorph.gpu.bindings import bind
-from anamorph.gpu.device import get_device
+from anamorph.gpu.device import get_device, of_device
 from anamorph.gpu.drawing import shader_module
 from anamorph.gpu.targets import COLOR_FORMAT
 
@@ -35,7 +34,7 @@ class Halving:
         render_pass.end()
 
 
-@cache
+@of_device
 def _halving_pipeline() -> wgpu.GPURenderPipeline:
     module = shader_module("gpu/halve.wgsl")
     return get_device().create_render_pipeline(

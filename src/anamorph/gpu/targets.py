@@ -10,6 +10,7 @@ import wgpu
 from anamorph.gpu.device import get_device
 
 COLOR_FORMAT = "rgba16float"
+PIXEL_FORMAT = "rgba8unorm"
 DEPTH_FORMAT = "depth32float"
 SEEN_FORMATS = ("rgba32float", "r32uint", "r32float")
 MAP_FORMATS = ("rgba32float",)
@@ -109,6 +110,7 @@ def read_texture(texture: wgpu.GPUTexture) -> np.ndarray:
     """The texture's finest level as (H, W) or (H, W, channels)."""
     kinds = {
         "rgba16float": (np.float16, 4),
+        "rgba8unorm": (np.uint8, 4),
         "rgba32float": (np.float32, 4),
         "r32uint": (np.uint32, 1),
         "r32float": (np.float32, 1),

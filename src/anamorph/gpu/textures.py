@@ -7,12 +7,15 @@ import wgpu
 from PIL import Image
 
 from anamorph.errors import AnamorphError
-from anamorph.gpu.device import get_device, maximum_size
+from anamorph.gpu.device import get_device, maximum_size, of_device_last
 from anamorph.scene.model import Texture
 from anamorph.srgb import decode_srgb, encode_srgb
 
 MEMORY = 256 * 2**20
 """Bytes that the finest level of a scene's texture array may take."""
+
+KEPT = 2
+"""Scenes whose textures stay on the device: one in which only a mirror was turned is drawn without new ones."""
 
 
 def mip_levels(pixels: np.ndarray) -> list[np.ndarray]:
@@ -29,7 +32,7 @@ def mip_levels(pixels: np.ndarray) -> list[np.ndarray]:
     return levels
 
 
-def _layer_size(textures: list[Texture]) -> int:
+def _layer_size(textures: tuple[Texture, ...]) -> int:
     """The power of two that serves the largest texture, inside the device's limit and the memory set aside."""
     largest = max((max(texture.pixels.shape[:2]) for texture in textures), default=1)
     size = 1 << (int(largest) - 1).bit_length()
@@ -59,7 +62,8 @@ def _upload(layers: list[np.ndarray]) -> wgpu.GPUTexture:
     return texture
 
 
-def texture_array(textures: list[Texture]) -> wgpu.GPUTexture:
+@of_device_last(KEPT)
+def texture_array(textures: tuple[Texture, ...]) -> wgpu.GPUTexture:
     """Layer 0 white, then each texture, resampled to one common square size; texture coordinates stay as they are."""
     most = get_device().limits["max-texture-array-layers"] - 1
     if len(textures) > most:
@@ -79,6 +83,7 @@ def _resized(pixels: np.ndarray, size: tuple[int, int]) -> np.ndarray:
     return np.asarray(opaque.convert("RGBA"))
 
 
+@of_device_last(KEPT)
 def sky_texture(image: Texture | None) -> wgpu.GPUTexture:
     """The sky's image, inside the device's limit, or one white pixel where there is none."""
     if image is None:

@@ -1,35 +1,21 @@
 """How far a seen point is from the true one: as an angle at the specular surface, and in pixels of the picture.
 
-Both are computed from the last ray of the truth, in float64. Rays are S + t d: S on the specular surface, d unit.
+Both are computed from the last ray of the truth, in float64. Rays are S + t d: S on the specular surface, d unit. The
+compiled functions take one ray, so that other compiled loops can use them.
 """
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
+
+from anamorph.compiled import compiled
+from anamorph.optics.exact import along, cross, dot
+from anamorph.scene.camera import Vector
 
 RESOLUTION = 4.0 * float(np.finfo(np.float32).eps)
 """What the float32 buffers of a frame resolve, relative to the size of their coordinates."""
-
-
-def seen_directions(origins: np.ndarray, positions: np.ndarray, object_ids: np.ndarray) -> np.ndarray:
-    """Directions in which seen points lie, as seen from S.
-
-    Parameters
-    ----------
-    origins : (N, 3)
-        S, metres.
-    positions : (N, 3)
-        World points, metres; unit directions where `object_ids` is 0.
-    object_ids : (N,)
-
-    Returns
-    -------
-    (N, 3) float64
-        Unit vectors; zero for a point at S itself, which lies in no direction.
-    """
-    positions = np.asarray(positions, float)
-    toward = np.where((object_ids == 0)[:, None], positions, positions - origins)
-    return normalized(toward)
 
 
 def normalized(vectors: np.ndarray) -> np.ndarray:
@@ -43,62 +29,10 @@ def angles_between(first: np.ndarray, second: np.ndarray) -> np.ndarray:
 
     A point at the specular surface itself thus counts as the worst answer, not as the best.
     """
-    sine = np.linalg.norm(np.cross(first, second), axis=1)
-    cosine = np.einsum("ij,ij->i", first, second)
-    return np.where((sine == 0.0) & (cosine == 0.0), np.pi, np.arctan2(sine, cosine))
-
-
-def ray_footprints(
-    origins: np.ndarray, directions: np.ndarray, surface: np.ndarray, distances: np.ndarray
-) -> np.ndarray:
-    """How the point at a distance along each pixel's last ray moves when one moves by one pixel in the picture.
-
-    Finite differences between neighbouring pixels of one specular surface: the mean of both sides; the side that
-    exists at a border; the smaller one where the sides differ by more than a factor of two (an inner silhouette
-    runs there). A pixel without neighbours has zero.
-
-    Parameters
-    ----------
-    origins, directions : (H, W, 3)
-        S and d.
-    surface : (H, W)
-        Which specular surface each pixel looks at; any numbers that tell them apart.
-    distances : (H, W)
-        t, metres; infinite for the change of the direction alone, radians a pixel.
-
-    Returns
-    -------
-    (H, W, 3, 2) float64
-        The derivatives along x and y, metres (or radians) a pixel.
-    """
-    infinite = ~np.isfinite(distances)
-    weight = np.where(infinite, 1.0, distances)[..., None]
-    footprints = np.zeros((*surface.shape, 3, 2))
-    for column, axis in ((0, 1), (1, 0)):
-        sides = []
-        for ahead in (True, False):
-            here, there = _neighbours(axis, ahead)
-            sign = 1.0 if ahead else -1.0
-            step = np.zeros(origins.shape)
-            step[here] = sign * (weight[here] * (directions[there] - directions[here]))
-            step[here] += sign * np.where(infinite[here][..., None], 0.0, origins[there] - origins[here])
-            exists = np.zeros(surface.shape, bool)
-            exists[here] = surface[there] == surface[here]
-            sides.append((step, exists, np.where(exists, np.linalg.norm(step, axis=-1), np.inf)))
-        (ahead_step, has_ahead, ahead_size), (behind_step, has_behind, behind_size) = sides
-        smaller = np.where((ahead_size <= behind_size)[..., None], ahead_step, behind_step)
-        smaller[~(has_ahead | has_behind)] = 0.0
-        alike = has_ahead & has_behind
-        alike &= np.maximum(ahead_size, behind_size) <= 2.0 * np.minimum(ahead_size, behind_size)
-        footprints[..., column] = np.where(alike[..., None], 0.5 * (ahead_step + behind_step), smaller)
-    return footprints
-
-
-def _neighbours(axis: int, ahead: bool) -> tuple[tuple[slice, slice], tuple[slice, slice]]:
-    """Index of all pixels that have a neighbour one step along an axis of the array, and index of the neighbours."""
-    first, second = slice(None, -1), slice(1, None)
-    here, there = (first, second) if ahead else (second, first)
-    return ((here, slice(None)), (there, slice(None))) if axis == 0 else ((slice(None), here), (slice(None), there))
+    pair = np.broadcast_arrays(np.asarray(first, float), np.asarray(second, float))
+    angles = np.empty(len(pair[0]))
+    _angles(*map(np.ascontiguousarray, pair), angles)
+    return angles
 
 
 def picture_distances(
@@ -109,11 +43,7 @@ def picture_distances(
     footprints: np.ndarray,
     limit: float,
 ) -> np.ndarray:
-    """How far one must move in the picture for the truth to see another point, to first order, pixels.
-
-    Solves, in the plane perpendicular to d, footprint (dx, dy) = offset, where the offset is that of the seen point
-    from the truth's ray. Where the footprint is singular (a caustic: moving the pixel moves nothing) its singular
-    values are raised to what float32 resolves, so the answer is large but defined.
+    """How far one must move in the picture for the truth to see another point: `picture_distance` of N rays.
 
     Parameters
     ----------
@@ -124,37 +54,137 @@ def picture_distances(
     distances : (N,)
         The seen point's t along the ray; infinite if only its direction counts.
     footprints : (N, 3, 2)
-        At the same distances.
+        How the point at the same distances moves when one moves by one pixel, right and down.
     limit : float
-        Answers beyond it (the picture's diagonal) are cut to it: the first order says nothing that far away.
 
     Returns
     -------
     (N,) float64
     """
-    along = np.einsum("ij,ij->i", directions, toward)
-    across = toward - along[:, None] * directions
-    sine = np.linalg.norm(across, axis=1)
-    at_infinity = ~np.isfinite(distances)
-    distances = np.where(at_infinity, 0.0, distances)
+    rays = (np.ascontiguousarray(array, float) for array in (origins, directions, toward, distances, footprints))
+    pixels = np.empty(len(origins))
+    _picture_distances(*rays, limit, pixels)
+    return pixels
+
+
+@compiled
+def length(a: Vector) -> float:
+    """Of a tuple of three."""
+    return math.sqrt(dot(a, a))
+
+
+@compiled
+def unit_or_zero(a: Vector) -> Vector:
+    """A tuple of three at length one; zero stays zero."""
+    size = length(a)
+    return (a[0] / size, a[1] / size, a[2] / size) if size > 0.0 else (0.0, 0.0, 0.0)
+
+
+@compiled
+def angle_between(first: Vector, second: Vector) -> float:
+    """The angle between two vectors, radians. See `angles_between`."""
+    sine, cosine = length(cross(first, second)), dot(first, second)
+    return math.pi if sine == 0.0 and cosine == 0.0 else math.atan2(sine, cosine)
+
+
+@compiled
+def picture_distance(
+    origin: Vector,
+    direction: Vector,
+    toward: Vector,
+    distance: float,
+    rightwards: Vector,
+    downwards: Vector,
+    limit: float,
+) -> float:
+    """How far one must move in the picture for the truth to see another point, to first order, pixels.
+
+    Solves, in the plane perpendicular to d, footprint (dx, dy) = offset, where the offset is that of the seen point
+    from the truth's ray. Where the footprint is singular (a caustic: moving the pixel moves nothing) its singular
+    values are raised to what float32 resolves, so the answer is large but defined.
+
+    Parameters
+    ----------
+    origin, direction : three floats
+        S and d of the truth.
+    toward : three floats
+        Unit vector from S to the seen point.
+    distance : float
+        The seen point's t along the ray, metres; infinite if only its direction counts.
+    rightwards, downwards : three floats
+        How the point at that distance moves when one moves by one pixel, metres (or radians).
+    limit : float
+        Answers beyond it (the picture's diagonal) are cut to it: the first order says nothing that far away.
+    """
+    cosine = dot(direction, toward)
+    across = along(toward, -cosine, direction)
+    sine = length(across)
+    if sine == 0.0:
+        return limit if cosine <= 0.0 else 0.0
     # tan(angle) t metres away from the ray, or the angle itself where only directions count
-    per_sine = np.divide(distances, along, out=np.zeros_like(along), where=~at_infinity)
-    angle = angles_between(directions, toward)
-    np.divide(angle, sine, out=per_sine, where=at_infinity & (sine > 0.0))
-    basis = _perpendicular(directions)
-    offset = np.einsum("nij,nj->ni", basis, per_sine[:, None] * across)
-    left, singular, right = np.linalg.svd(basis @ footprints)
-    coordinates = np.where(at_infinity, 1.0, np.abs(origins).max(axis=1, initial=0.0) + distances)
-    singular = np.maximum(singular, RESOLUTION * coordinates[:, None])
-    moved = np.einsum("nji,nj->ni", left, offset) / singular
-    pixels = np.linalg.norm(np.einsum("nji,nj->ni", right, moved), axis=1)
-    opposite = (sine == 0.0) & (along <= 0.0)
-    return np.where(opposite, limit, np.minimum(pixels, limit))
+    infinite = math.isinf(distance)
+    per_sine = angle_between(direction, toward) / sine if infinite else distance / cosine
+    # Two rows of a linear system, in a basis of the plane.
+    first, second = _perpendicular(direction)
+    a, b = dot(first, rightwards), dot(first, downwards)
+    c, d = dot(second, rightwards), dot(second, downwards)
+    u, v = per_sine * dot(first, across), per_sine * dot(second, across)
+    # Turned until they are perpendicular to each other, their lengths are the singular values (Jacobi 1846).
+    longer, shorter = a * a + b * b, c * c + d * d
+    if longer < shorter:
+        a, b, u, c, d, v = c, d, v, a, b, u
+        longer, shorter = shorter, longer
+    product = a * c + b * d
+    spread = math.hypot(longer - shorter, 2.0 * product)
+    if spread > 0.0:
+        turned = math.sqrt(0.5 + 0.5 * (longer - shorter) / spread)
+        aside = product / (spread * turned)
+        a, b, u, c, d, v = (
+            turned * a + aside * c, turned * b + aside * d, turned * u + aside * v,
+            turned * c - aside * a, turned * d - aside * b, turned * v - aside * u,
+        )  # fmt: skip
+    size = 1.0 if infinite else max(abs(origin[0]), abs(origin[1]), abs(origin[2])) + distance
+    resolved = RESOLUTION * size
+    pixels = math.hypot(u / max(math.hypot(a, b), resolved), v / max(math.hypot(c, d), resolved))
+    return pixels if pixels < limit else limit
 
 
-def _perpendicular(directions: np.ndarray) -> np.ndarray:
-    """Two unit vectors perpendicular to each unit vector (N, 3) and to each other: (N, 2, 3)."""
-    helper = np.eye(3)[np.abs(directions).argmin(axis=1)]
-    first = np.cross(directions, helper)
-    first /= np.linalg.norm(first, axis=1, keepdims=True)
-    return np.stack([first, np.cross(directions, first)], axis=1)
+@compiled
+def _perpendicular(direction: Vector) -> tuple[Vector, Vector]:
+    """Two unit vectors perpendicular to a unit vector and to each other."""
+    x, y, z = abs(direction[0]), abs(direction[1]), abs(direction[2])
+    if x <= y and x <= z:
+        first = unit_or_zero((0.0, direction[2], -direction[1]))
+    elif y <= z:
+        first = unit_or_zero((-direction[2], 0.0, direction[0]))
+    else:
+        first = unit_or_zero((direction[1], -direction[0], 0.0))
+    return first, cross(direction, first)
+
+
+@compiled
+def _angles(first: np.ndarray, second: np.ndarray, angles: np.ndarray) -> None:
+    for i in range(len(angles)):
+        angles[i] = angle_between((first[i, 0], first[i, 1], first[i, 2]), (second[i, 0], second[i, 1], second[i, 2]))
+
+
+@compiled
+def _picture_distances(
+    origins: np.ndarray,
+    directions: np.ndarray,
+    toward: np.ndarray,
+    distances: np.ndarray,
+    footprints: np.ndarray,
+    limit: float,
+    pixels: np.ndarray,
+) -> None:
+    for i in range(len(pixels)):
+        pixels[i] = picture_distance(
+            (origins[i, 0], origins[i, 1], origins[i, 2]),
+            (directions[i, 0], directions[i, 1], directions[i, 2]),
+            (toward[i, 0], toward[i, 1], toward[i, 2]),
+            distances[i],
+            (footprints[i, 0, 0], footprints[i, 1, 0], footprints[i, 2, 0]),
+            (footprints[i, 0, 1], footprints[i, 1, 1], footprints[i, 2, 1]),
+            limit,
+        )

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Generator, Sequence
 from dataclasses import asdict, dataclass, replace
 from typing import Any
 
@@ -11,11 +11,12 @@ from anamorph.frame import Frame, View
 from anamorph.gpu.device import adapter_name
 from anamorph.measure.errors import Errors, measure
 from anamorph.measure.status import status_shares
-from anamorph.measure.timing import Timing, eye_path, time_in_turn
+from anamorph.measure.timing import Timing, eye_path, timing_rounds
 from anamorph.methods import parse
 from anamorph.methods.protocol import Session
 from anamorph.scene.model import Scene
 from anamorph.scene.scenefile import DEFAULT_SIZE
+from anamorph.steps import Step, drain, retold
 from anamorph.versions import versions
 
 COMPETITOR = "raytrace"
@@ -137,28 +138,48 @@ def compare(
     -------
     Comparison
     """
+    steps = comparison_steps(scene, specs, size, truth, frames, command)
+    return drain(steps, lambda step: progress(*step) if progress else None)
+
+
+def comparison_steps(
+    scene: Scene,
+    specs: Sequence[str],
+    size: tuple[int, int] = DEFAULT_SIZE,
+    truth: str = "raytrace",
+    frames: int = 30,
+    command: str = "",
+) -> Generator[Step, None, Comparison]:
+    """The same step by step, for whoever has more to do meanwhile; parameters as for `compare`.
+
+    What is drawn elsewhere between two steps must have finished before the next, or it would count as a method's time.
+    """
     names = tuple(dict.fromkeys((*specs, COMPETITOR)))
     chosen = {name: parse(name) for name in (*names, truth)}
-    tell = progress or (lambda done, total, what: None)
     total = 2 * len(names) + 1
     view = View(scene, scene.camera, size)
 
-    tell(0, total, f"truth by {truth}")
-    sessions = {name: method.open(view, options) for name, (method, options) in chosen.items()}
+    sessions: dict[str, Session] = {}
+    for name, (method, options) in chosen.items():
+        yield 0, total, f"opening {name}"
+        sessions[name] = method.open(view, options)
+    yield 0, total, f"truth by {truth}"
     truth_frame = _frame(sessions[truth], view)
     drawn: dict[str, tuple[Frame, Errors]] = {}
     for step, name in enumerate(names, start=1):
-        tell(step, total, f"errors of {name}")
+        yield step, total, f"errors of {name}"
         frame = truth_frame if name == truth else _frame(sessions[name], view)
         drawn[name] = frame, measure(truth_frame, frame)
 
-    def tell_round(done: int, rounds: int) -> None:
-        step = len(names) + 1 + len(names) * done // rounds
-        tell(step, total, f"frame times, round {done} of {rounds}")
-
     # Under a name that no method has.
     timed = {name: sessions[name] for name in names} | _without_mirrors(view)
-    timings = time_in_turn(timed, eye_path(scene, frames), frames, tell_round)
+
+    def told(turn: tuple[int, int]) -> Step:
+        done, rounds = turn
+        step = len(names) + 1 + len(names) * done // rounds
+        return step, total, f"frame times, round {done} of {rounds}"
+
+    timings = yield from retold(timing_rounds(timed, eye_path(scene, frames), frames), told)
     return Comparison(
         scene=scene.name,
         size=size,

@@ -11,7 +11,7 @@ import numpy as np
 
 from anamorph.measure.compare import Comparison, MethodResult
 from anamorph.measure.figures import number, rows_of
-from anamorph.measure.heatmap import HIGHEST, LOWEST, TICKS, VIRIDIS, heat_map
+from anamorph.measure.heatmap import MILLIRADIANS, VIRIDIS, heat_map
 from anamorph.measure.status import status_shares
 from anamorph.output import pixel_bytes, to_pixels
 
@@ -116,8 +116,8 @@ def _figure(pixels: np.ndarray, alt: str, caption: str) -> str:
 
 def _scale() -> str:
     gradient = f"background:linear-gradient(to right,{','.join(VIRIDIS)})"
-    labels = [f"{tick:g}" for tick in TICKS]
-    ends = f"{LOWEST:g} or less to {HIGHEST:g} or more milliradians, logarithmic"
+    labels = [f"{tick:g}" for tick in MILLIRADIANS.ticks]
+    ends = f"{MILLIRADIANS.lowest:g} or less to {MILLIRADIANS.highest:g} or more milliradians, logarithmic"
     ticks = "".join(f"<span>{label}</span>" for label in labels)
     return (
         f'<div class="scale"><div class="bar" style="{gradient}" role="img" aria-label="Colour scale: {ends}"></div>'

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import statistics
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Generator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -12,6 +12,7 @@ import numpy as np
 from anamorph.methods.protocol import Session
 from anamorph.scene.camera import Camera
 from anamorph.scene.model import Scene
+from anamorph.steps import drain
 
 WARM_UP = 3
 """Frames that are drawn but not counted: shaders are compiled at their first use."""
@@ -58,6 +59,13 @@ def time_in_turn(
 
     What else the machine does thus falls on all of them alike. `progress` is told the rounds done, and their number.
     """
+    return drain(timing_rounds(sessions, cameras, minimum), lambda turn: progress(*turn) if progress else None)
+
+
+def timing_rounds(
+    sessions: Mapping[str, Session], cameras: Sequence[Camera], minimum: int = 30
+) -> Generator[tuple[int, int], None, dict[str, Timing]]:
+    """The same round by round: yields the rounds done, and their number."""
     spent: dict[str, list[float]] = {name: [] for name in sessions}
     counted = max(minimum, len(cameras))
     for round_number in range(-WARM_UP, counted):
@@ -67,6 +75,5 @@ def time_in_turn(
             session.wait()
             if round_number >= 0:
                 spent[name].append(1000.0 * (time.perf_counter() - start))
-        if progress:
-            progress(round_number + WARM_UP + 1, counted + WARM_UP)
+        yield round_number + WARM_UP + 1, counted + WARM_UP
     return {name: Timing(statistics.median(ms), min(ms), max(ms), len(ms)) for name, ms in spent.items()}

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cache, cached_property
+from functools import cached_property
 
 import numpy as np
 import wgpu
@@ -18,8 +18,10 @@ from anamorph.frame import View
 from anamorph.gpu.bindings import SAMPLER, STORAGE, bind, layout_of, texture
 from anamorph.gpu.buffers import storage_buffer
 from anamorph.gpu.cube import make_cube
+from anamorph.gpu.device import of_device
 from anamorph.gpu.drawing import draw_mesh, make_pipeline, shader_module
 from anamorph.gpu.targets import COLOR_FORMAT, MAP_FORMATS, SEEN_FORMATS, Target, make_texture, map_sampler
+from anamorph.methods.options import check_options, option
 from anamorph.methods.pervertex import Options as PerVertexOptions
 from anamorph.methods.pervertex import PerVertexDrawing
 from anamorph.methods.protocol import Method, Session
@@ -31,8 +33,8 @@ from anamorph.scene.camera import Camera
 from anamorph.scene.geometry import Geometry
 from anamorph.scene.model import Glass, Scene
 
-DEFAULT_FACE, MAXIMUM_FACE = 1024, 4096
-"""Texels along an edge that a cube map takes at most by itself, and when asked."""
+DEFAULT_FACE = 1024
+"""Texels along an edge that a cube map takes at most by itself."""
 
 MARGIN = np.radians(3.0)
 """How far the directions at normals between the vertices may stray beyond those at the vertices."""
@@ -64,10 +66,10 @@ class Options:
         Samples a pixel of the picture: 1 or 4.
     """
 
-    mode: str = "cube"
-    update: str = "always"
-    face: int = 0
-    antialias: int = 1
+    mode: str = option("cube", choices=("cube", "planar"))
+    update: str = option("always", choices=("always", "once"))
+    face: int = option(0, low=0, high=4096, unit="texels")
+    antialias: int = option(1, choices=(1, 4))
 
 
 def cube_projections(center: np.ndarray, near: float) -> list[Projection]:
@@ -114,7 +116,7 @@ def reflectors(scene: Scene) -> list[tuple[int, ...]]:
     return [tuple(group) for group in groups.values()]
 
 
-@cache
+@of_device
 def _stand_in() -> wgpu.GPUTexture:
     return make_texture((1, 1), MAP_FORMATS[0])
 
@@ -242,20 +244,9 @@ def _check_flat(view: View) -> None:
             raise AnamorphError(f"environment: mode=planar needs flat mirrors, {mesh.name!r} is curved; give mode=cube")
 
 
-def _choose(name: str, value: object, allowed: tuple[object, ...]) -> None:
-    if value not in allowed:
-        raise AnamorphError(f"environment: {name} is {value}; give {' or '.join(map(str, allowed))}")
-
-
 def open_session(view: View, options: Options) -> Session:
     """Start drawing `view` by environment mapping."""
-    _choose("mode", options.mode, ("cube", "planar"))
-    _choose("update", options.update, ("always", "once"))
-    _choose("antialias", options.antialias, (1, 4))
-    if not 0 <= options.face <= MAXIMUM_FACE:
-        raise AnamorphError(
-            f"environment: face is {options.face}; give a number of texels from 1 to {MAXIMUM_FACE}, or 0"
-        )
+    check_options("environment", options)
     if options.mode == "planar":
         for name in ("update", "face"):
             if getattr(options, name) != getattr(Options, name):

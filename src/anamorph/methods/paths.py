@@ -8,6 +8,7 @@ import numpy as np
 
 from anamorph.compiled import over_all_cores
 from anamorph.errors import AnamorphError
+from anamorph.frame import Status
 from anamorph.methods.bounces import DIFFUSE, GLASS, MIRROR, NO_RAYS, WORDS, Paths, VertexRays, World, advance
 from anamorph.methods.launch import Launch, along_rays, from_eye
 from anamorph.methods.vertex_rays import Line, SceneRays
@@ -157,6 +158,26 @@ class PathTracer:
         """
         launch = along_rays(origins, directions)
         return self._trace(self._green, launch, len(origins), NO_RAYS, records)
+
+    def follow(self, origin: np.ndarray, direction: np.ndarray) -> np.ndarray:
+        """Trace one path, and tell of each of its rays.
+
+        Parameters
+        ----------
+        origin, direction : (3,) float64
+
+        Returns
+        -------
+        records : (S, 16) float32
+            As in `trace`, of the path ended after 0, 1, ... bounces: row i has the ray after i bounces and what it
+            meets; the last row is the whole path's.
+        """
+        launch, rows = along_rays(np.atleast_2d(origin), np.atleast_2d(direction)), []
+        for bounces in range(self._green.max_bounces + 1):
+            rows.append(self._trace(self._green._replace(max_bounces=bounces), launch, 1, NO_RAYS, None))
+            if rows[-1].view(np.uint32)[0, 7] >> 16 & 0xFF != Status.OUTSIDE:
+                break
+        return np.concatenate(rows)
 
     def trace_colors(
         self,

@@ -25,6 +25,7 @@ from anamorph.methods.bodies import bodies_of
 from anamorph.methods.level import Level, level_layout
 from anamorph.methods.marks import OVERLAYS, Marks
 from anamorph.methods.mend import Mender, doubtful_tiles
+from anamorph.methods.options import check_options, option
 from anamorph.methods.pictures import Picture, PictureOptions, Pictures
 from anamorph.methods.protocol import Method, Session
 from anamorph.methods.session import DrawingSession, Stage
@@ -35,7 +36,6 @@ from anamorph.scene.camera import Camera
 from anamorph.scene.geometry import Geometry
 
 MAXIMUM_BOUNCES = 8
-MAXIMUM_REFINEMENTS = 16
 REFINEMENTS_BEFORE_TRACING = 3
 
 RAY_SHARE = 0.1
@@ -81,18 +81,18 @@ class Options:
         its Figure 16.
     """
 
-    antialias: int = 1
+    antialias: int = option(1, choices=(1, 4))
     mipmaps: bool = False
-    resolution: float = 1.0
+    resolution: float = option(1.0, low=0.01, high=16.0)
     projective: bool = True
     align: bool = True
-    field: float = 100.0
-    wide: str = "patches"
-    bounces: int = 2
-    refine: int = 0
-    start: str = "vertices"
-    tolerance: float = 0.0
-    overlay: str = "none"
+    field: float = option(100.0, low=1.0, high=150.0, unit="degrees")
+    wide: str = option("patches", choices=("patches", "cube"))
+    bounces: int = option(2, low=1, high=MAXIMUM_BOUNCES)
+    refine: int = option(0, low=0, high=16)
+    start: str = option("vertices", choices=("vertices", "direction"))
+    tolerance: float = option(0.0, low=0.0, unit="pixels")
+    overlay: str = option("none", choices=OVERLAYS)
 
 
 OUTPUTS: dict[str, tuple[str, ...]] = {
@@ -270,30 +270,11 @@ class PerVertexDrawing:
 
 def open_session(view: View, options: Options) -> Session:
     """Start drawing `view` by per-vertex reflection."""
-    if options.antialias not in (1, 4):
-        raise AnamorphError(f"pervertex: antialias is {options.antialias}; give 1 or 4")
-    if not 0.01 <= options.resolution <= 16.0:
-        raise AnamorphError(f"pervertex: resolution is {options.resolution:g}; give a number from 0.01 to 16")
-    if not 0 <= options.refine <= MAXIMUM_REFINEMENTS:
-        raise AnamorphError(f"pervertex: refine is {options.refine}; give a number from 0 to {MAXIMUM_REFINEMENTS}")
-    if not 1.0 <= options.field <= 150.0:
-        raise AnamorphError(f"pervertex: field is {options.field:g}; give a number of degrees from 1 to 150")
-    if options.wide not in ("patches", "cube"):
-        raise AnamorphError(f"pervertex: wide is {options.wide!r}; give patches or cube")
-    if not 1 <= options.bounces <= MAXIMUM_BOUNCES:
-        raise AnamorphError(f"pervertex: bounces is {options.bounces}; give a number from 1 to {MAXIMUM_BOUNCES}")
-    if options.start not in ("vertices", "direction"):
-        raise AnamorphError(f"pervertex: start is {options.start!r}; give vertices or direction")
-    if options.overlay not in OVERLAYS:
-        raise AnamorphError(
-            f"pervertex: overlay is {options.overlay!r}; give {', '.join(OVERLAYS[:-1])} or {OVERLAYS[-1]}"
-        )
+    check_options("pervertex", options)
     if options.start == "direction" and options.overlay != "none":
         raise AnamorphError("pervertex: an overlay needs the vertex rays; give start=vertices")
     if options.start == "direction" and options.tolerance > 0.0:
         raise AnamorphError("pervertex: a tolerance needs the vertex rays; give start=vertices")
-    if not 0.0 <= options.tolerance < float("inf"):
-        raise AnamorphError(f"pervertex: tolerance is {options.tolerance:g}; give a number of pixels from 0")
     if options.tolerance > 0.0:
         if options.antialias > 1:
             raise AnamorphError("pervertex: tolerance needs antialias=1; give more samples for a smooth picture")

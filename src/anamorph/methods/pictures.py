@@ -7,7 +7,7 @@ not along the rays that lead there.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 
 import numpy as np
@@ -95,6 +95,46 @@ class PictureOptions:
     field: float
     wide: str
     resolution: float
+
+
+def plan_patches(
+    sight: Sight,
+    faces: np.ndarray,
+    hider: np.ndarray,
+    world: World,
+    options: PictureOptions,
+    spared: Callable[[], bool] = lambda: False,
+) -> Iterator[tuple[np.ndarray, MapPlan | None]]:
+    """Divide a body into patches, and plan the map of each.
+
+    Parameters
+    ----------
+    sight : Sight
+    faces : (F,) int
+        The faces of the ray mesh that are seen.
+    hider : (V,) int
+        The object that hides each vertex of the ray mesh from the eye, or 0.
+    world : World
+    options : PictureOptions
+    spared : callable
+        Asked before each patch: whether it is not to have a map.
+
+    Yields
+    ------
+    faces, plan : int array, MapPlan or None
+        Of each patch; None where no map can show it, and where it is spared.
+    """
+    patches = divide(sight.rays, faces, np.radians(options.field))
+    if options.wide == "cube" and len(patches) > 1:
+        plan = plan_cube(sight, faces, hider, world, options.plan)
+        if plan is not None:
+            yield faces, plan
+            return
+    if sight.side.closed and options.plan.cast:
+        own = tuple(mesh + 1 for mesh in sight.side.meshes)
+        patches = [part for patch in patches for part in part_where_hidden(sight.rays, patch, world, own)]
+    for patch in patches:
+        yield patch, None if spared() else plan_map(sight, patch, hider, world, options.plan)
 
 
 class Pictures:
@@ -201,18 +241,12 @@ class Pictures:
         self, sight: Sight, faces: np.ndarray, hider: np.ndarray, depth: int
     ) -> Iterator[tuple[np.ndarray, MapPlan | None]]:
         """The faces of each patch, and its plan: none for patches that no map can show, or none is worth it."""
-        patches = divide(sight.rays, faces, np.radians(max(self._options.field, INNER_FIELD if depth else 0.0)))
-        if self._options.wide == "cube" and len(patches) > 1:
-            plan = plan_cube(sight, faces, hider, self._world, self._options.plan)
-            if plan is not None:
-                yield faces, plan
-                return
-        if sight.side.closed and self._options.plan.cast:
-            own = tuple(mesh + 1 for mesh in sight.side.meshes)
-            patches = [part for patch in patches for part in part_where_hidden(sight.rays, patch, self._world, own)]
-        for patch in patches:
-            spared = depth > 0 and len(self._levels[depth].views) >= MOST_INNER
-            yield patch, None if spared else plan_map(sight, patch, hider, self._world, self._options.plan)
+        options = replace(self._options, field=max(self._options.field, INNER_FIELD)) if depth else self._options
+
+        def spared() -> bool:
+            return depth > 0 and len(self._levels[depth].views) >= MOST_INNER
+
+        return plan_patches(sight, faces, hider, self._world, options, spared)
 
     def _size(self, texels: tuple[float, float]) -> tuple[int, int]:
         largest = min(MOST, maximum_size())

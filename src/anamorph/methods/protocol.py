@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from typing import Any, Protocol
 
 import numpy as np
+import wgpu
 
 from anamorph.frame import Frame, View
 from anamorph.raymesh import RayMesh
@@ -19,6 +20,11 @@ from anamorph.scene.camera import Camera
 
 class Session(Protocol):
     """One scene, size and set of options, ready to draw: everything that can be made once has been."""
+
+    @property
+    def texture(self) -> wgpu.GPUTexture:
+        """Where frames are drawn, on the device: linear, rgba16float, the last one in it."""
+        ...
 
     def draw(self, camera: Camera | RayMesh, shift: tuple[float, float] = (0.0, 0.0)) -> None:
         """Submit one frame; `shift` moves its sample points by a fraction of a pixel, right and down.
@@ -56,7 +62,8 @@ class Method:
     source : str
         The paper and sections it builds on.
     options : type
-        A frozen dataclass whose fields have defaults and are bool, int, float or str.
+        A frozen dataclass whose fields have defaults and are bool, int, float or str. Those that `options.option`
+        makes say what they may be, which `options.check_options` holds them to, and its docstring says what they mean.
     open : callable
         (View, options) -> Session.
     refracts : bool

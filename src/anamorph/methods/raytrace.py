@@ -17,6 +17,7 @@ from anamorph.errors import AnamorphError
 from anamorph.frame import View
 from anamorph.gpu.targets import Target
 from anamorph.methods.bounces import WORDS
+from anamorph.methods.options import check_options, option
 from anamorph.methods.paths import PathTracer, Rectangle, specular_rectangle
 from anamorph.methods.pixel_rays import pixel_rays
 from anamorph.methods.protocol import Method, Session
@@ -48,10 +49,10 @@ class Options:
         How Embree's tree follows a scene that deforms: "refit", or "rebuild" where what were neighbours part for good.
     """
 
-    truth: str = "surface"
-    bounces: int = 8
+    truth: str = option("surface", choices=("surface", "raymesh"))
+    bounces: int = option(8, low=1, high=255)
     dispersion: bool = True
-    tree: str = "refit"
+    tree: str = option("refit", choices=("refit", "rebuild"))
 
 
 class TracedDrawing:
@@ -165,14 +166,9 @@ class TracedDrawing:
 
 def open_session(view: View, options: Options) -> Session:
     """Start ray tracing `view`."""
-    if options.truth not in ("surface", "raymesh"):
-        raise AnamorphError(f"raytrace: truth is {options.truth}; give surface or raymesh")
-    if options.tree not in ("refit", "rebuild"):
-        raise AnamorphError(f"raytrace: tree is {options.tree}; give refit or rebuild")
+    check_options("raytrace", options)
     if options.truth == "raymesh" and isinstance(view.camera, RayMesh):
         raise AnamorphError("raytrace: truth=raymesh is for mirrors and lenses that a pinhole sees; give truth=surface")
-    if not 1 <= options.bounces <= 255:
-        raise AnamorphError(f"raytrace: bounces is {options.bounces}; give a number from 1 to 255")
     stage = Stage(view)
     return DrawingSession(stage, TracedDrawing(stage, options))
 

@@ -143,6 +143,11 @@ class DrawingSession:
         self._target = make_target(stage.view.size, (COLOR_FORMAT,), antialias)
         self._pipelines = color_pipelines(antialias)
 
+    @property
+    def texture(self) -> wgpu.GPUTexture:
+        """Where frames are drawn."""
+        return self._target.textures[0]
+
     def draw(self, camera: Camera | RayMesh, shift: tuple[float, float] = (0.0, 0.0)) -> None:
         """Submit one frame."""
         stage = self._stage

@@ -24,6 +24,7 @@ from anamorph.gpu.buffers import storage_buffer
 from anamorph.gpu.drawing import make_pipeline, shader_module
 from anamorph.gpu.targets import COLOR_FORMAT, Target, make_target
 from anamorph.methods.coloring import Coloring, Kind
+from anamorph.methods.options import check_options, option
 from anamorph.methods.protocol import Method, Session
 from anamorph.methods.ray_layer import Layer, Sight, Straight, World
 from anamorph.methods.ray_records import add_incident, triangle_records
@@ -37,8 +38,6 @@ from anamorph.trilinear.tree import make_tree, moved_tree
 
 LINES = wgpu.ColorWrite.ALL, wgpu.ColorWrite.RED, wgpu.ColorWrite.BLUE
 """What is drawn of the light of each line: green's everywhere, then red and blue over it."""
-
-MOST_BOUNCES = 8
 
 NEAR = 1e-6
 """What is nearer than this to where its ray starts is that itself, as a share of the scene's coordinates."""
@@ -68,12 +67,12 @@ class Options:
         Whether red and blue light goes its own way through glass that has an Abbe number.
     """
 
-    edges: str = "exact"
-    tessellate: int = 1
-    slices: int = 0
-    clip: str = "scene"
-    bounces: int = 2
-    antialias: int = 1
+    edges: str = option("exact", choices=("exact", "straight"))
+    tessellate: int = option(1, low=1, high=64)
+    slices: int = option(0, low=0, high=256)
+    clip: str = option("scene", choices=("scene", "screen"))
+    bounces: int = option(2, low=1, high=8)
+    antialias: int = option(1, choices=(1, 4))
     dispersion: bool = True
 
 
@@ -207,17 +206,7 @@ class TrilinearDrawing:
 
 def open_session(view: View, options: Options) -> Session:
     """Start drawing `view` by trilinear projection."""
-    if options.edges not in ("exact", "straight"):
-        raise AnamorphError(f"trilinear: edges is {options.edges!r}; give exact or straight")
-    if options.clip not in ("scene", "screen"):
-        raise AnamorphError(f"trilinear: clip is {options.clip!r}; give scene or screen")
-    if options.antialias not in (1, 4):
-        raise AnamorphError(f"trilinear: antialias is {options.antialias}; give 1 or 4")
-    for name, least, most in (("tessellate", 1, 64), ("slices", 0, 256)):
-        if not least <= getattr(options, name) <= most:
-            raise AnamorphError(f"trilinear: {name} is {getattr(options, name)}; give a number from {least} to {most}")
-    if not 1 <= options.bounces <= MOST_BOUNCES:
-        raise AnamorphError(f"trilinear: bounces is {options.bounces}; give a number from 1 to {MOST_BOUNCES}")
+    check_options("trilinear", options)
     if options.edges == "exact":
         for name in ("tessellate", "slices", "clip"):
             if getattr(options, name) != getattr(Options, name):

@@ -7,7 +7,6 @@ and the pieces of all pairs, of which each pixel keeps the nearest that holds it
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cache
 from typing import Any
 
 import numpy as np
@@ -15,7 +14,7 @@ import wgpu
 
 from anamorph.gpu.bindings import STORAGE, bind, layout_of, texture
 from anamorph.gpu.buffers import SceneBuffers, roomy_buffer
-from anamorph.gpu.device import get_device
+from anamorph.gpu.device import get_device, of_device
 from anamorph.gpu.drawing import ProjectionUniform, bind_scene, make_pipeline, shader_module
 from anamorph.gpu.targets import COLOR_FORMAT, Target, begin_pass, make_target
 from anamorph.methods.ray_records import PIECE, RAY_TRIANGLE, STRAIGHT_CORNER
@@ -31,13 +30,13 @@ def _numbers() -> dict[str, Any]:
     return {"texture": {"view_dimension": "2d", "sample_type": "uint"}}
 
 
-@cache
+@of_device
 def data_layout() -> wgpu.GPUBindGroupLayout:
     """The layout of group 2: the scene, the ray triangles, the pairs, the pieces and the lenses."""
     return layout_of(*6 * [STORAGE], stages=wgpu.ShaderStage.VERTEX | wgpu.ShaderStage.FRAGMENT)
 
 
-@cache
+@of_device
 def views_layout() -> wgpu.GPUBindGroupLayout:
     """The layout of group 3: the pixels' ray triangles, what these see, and with straight edges the weights there; for
     rays that go on, the throughput before them; and the first two for several samples a pixel."""
@@ -63,7 +62,7 @@ class Views:
         return [each.create_view() for each in (*self.owners.textures, *self.seen.textures)]
 
 
-@cache
+@of_device
 def _unused(form: str) -> wgpu.GPUTextureView:
     """Stands in for a texture that nothing reads."""
     return make_target((1, 1), (form,)).textures[0].create_view()

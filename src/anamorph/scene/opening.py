@@ -16,7 +16,10 @@ from anamorph.scene.scenefile import Settings, load_scene_file
 
 
 def open_scene(
-    source: str | Path, choice: FaceChoice | None = None, mirror_of: str | Path | None = None
+    source: str | Path,
+    choice: FaceChoice | None = None,
+    mirror_of: str | Path | None = None,
+    above: tuple[Path, ...] = (),
 ) -> tuple[Scene, Settings]:
     """The scene, checked, and how it wants to be drawn.
 
@@ -28,6 +31,8 @@ def open_scene(
         Which faces of a CAD file, and how fine.
     mirror_of : str or Path, optional
         A scene whose mirror the CAD file `source` replaces.
+    above : tuple of Path
+        The scene files that start from this one.
     """
     path = Path(source)
     suffix = path.suffix.lower()
@@ -37,13 +42,13 @@ def open_scene(
             "leave them out"
         )
     if mirror_of:
-        scene, settings = open_scene(mirror_of)
+        scene, settings = open_scene(mirror_of, above=above)
         choice = choice or FaceChoice()
         return check_scene(replace_mirror(scene, chosen_faces(path, choice), choice.density, str(path))), settings
     if str(source) in builtin.names():
         return check_scene(builtin.make(str(source))), Settings()
     if suffix == ".toml":
-        return load_scene_file(path)
+        return load_scene_file(path, above)
     if suffix in SUFFIXES or path.is_file():
         meshes = tuple(part.mesh for part in load_parts(path, choice=choice, near=True))
         return check_scene(stand_before_mirror(meshes, path.stem)), Settings()

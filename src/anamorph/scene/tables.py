@@ -86,6 +86,28 @@ class Table:
             self._mistaken(key, "two whole numbers of pixels, as [1024, 768]")
         return (value[0], value[1])
 
+    def flag(self, key: str, default: bool = False) -> bool:
+        """True or false."""
+        value = self.values.get(key, default)
+        return value if isinstance(value, bool) else self._mistaken(key, "true or false")
+
+    def whole(self, key: str, default: int, least: int, most: int) -> int:
+        """A whole number."""
+        value = self.values.get(key, default)
+        if type(value) is not int or not least <= value <= most:
+            self._mistaken(key, f"a whole number from {least} to {most}")
+        return value
+
+    def words(self, key: str, known: Iterable[str]) -> list[str]:
+        """A list of some words, which may be missing."""
+        value, known = self.values.get(key, []), tuple(known)
+        if not isinstance(value, list) or not all(isinstance(word, str) for word in value):
+            self._mistaken(key, f"a list of words (known: {', '.join(known)})")
+        for word in value:
+            if word not in known:
+                self.wrong(key, f"{key} has '{word}'{nearest(word, known)} (known: {', '.join(known)})")
+        return value
+
     def table(self, key: str) -> Table | None:
         """A table inside this one, or None."""
         if key not in self.values:
@@ -101,11 +123,12 @@ class Table:
             self._mistaken(key, f"tables, each under [[{key}]]")
         return [Table(self.path, (*self.keys, key, i), entry, self.lines) for i, entry in enumerate(entries)]
 
-    def choice(self, key: str, known: Iterable[str]) -> str:
-        """One of some words."""
+    def choice(self, key: str, known: Iterable[str], default: str | None = None) -> str:
+        """One of some words; needed unless there is a default."""
         known = tuple(known)
-        self.required(key)
-        value = self.text(key)
+        if default is None:
+            self.required(key)
+        value = self.text(key, default or "")
         if value not in known:
             self.wrong(key, f"{key} is '{value}'{nearest(value, known)} (known: {', '.join(known)})")
         return value

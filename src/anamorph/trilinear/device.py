@@ -14,7 +14,6 @@ than about 1e-6 of the distances between ray triangles and points.
 
 from __future__ import annotations
 
-from functools import cache
 from importlib import resources
 
 import numpy as np
@@ -23,7 +22,7 @@ import wgpu
 from anamorph.errors import AnamorphError
 from anamorph.gpu.bindings import STORAGE, UNIFORM, bind, layout_of
 from anamorph.gpu.buffers import storage_buffer
-from anamorph.gpu.device import get_device
+from anamorph.gpu.device import get_device, of_device
 from anamorph.trilinear.coefficients import RayTriangleFrame, ray_triangle_frame
 from anamorph.trilinear.points import Projections
 
@@ -121,13 +120,13 @@ def _packed_frames(frames: RayTriangleFrame, middle: np.ndarray) -> np.ndarray:
     return packed
 
 
-@cache
+@of_device
 def _layout() -> wgpu.GPUBindGroupLayout:
     written = {"buffer": {"type": "storage"}}
     return layout_of(UNIFORM, STORAGE, STORAGE, written, stages=wgpu.ShaderStage.COMPUTE)
 
 
-@cache
+@of_device
 def _pipeline() -> wgpu.GPUComputePipeline:
     root = resources.files("anamorph.trilinear")
     module = get_device().create_shader_module(code="\n".join((root / name).read_text("utf-8") for name in SHADERS))

@@ -23,6 +23,7 @@ class Request(StrEnum):
     SAVE_TURNTABLE = "save-turntable"
     SAVE_TURNTABLE_SERIES = "save-turntable-series"
     CANCEL = "cancel"
+    DISMISS = "dismiss"
 
 
 @dataclass(frozen=True)

@@ -52,7 +52,7 @@ def _spectacles(name: str, prescription: Prescription) -> Scene:
     furniture = (*room.shell(), *room.window(), *room.table(), *room.tableware(), *room.shelf(), *room.pictures())
     return Scene(
         name=name,
-        meshes=(*lens.meshes, rim(lens, GAZE, 0.0012).mesh("rim", Diffuse(color=METAL)), *furniture, room.door()),
+        meshes=(*lens.meshes, rim(lens, GAZE, 0.0012).mesh("lens/rim", Diffuse(color=METAL)), *furniture, room.door()),
         camera=_looking(EYE, GAZE, 62.0),
         lights=(
             PointLight(position=(-0.4, 2.2, 0.6), color=(2.0, 1.9, 1.75)),
@@ -72,8 +72,8 @@ def magnifier() -> Scene:
         name="magnifier",
         meshes=(
             *lens.meshes,
-            frame.mesh("rim", Diffuse(color=METAL)),
-            handle.mesh("handle", Diffuse(color=(1.0, 1.0, 1.0))),
+            frame.mesh("lens/rim", Diffuse(color=METAL)),
+            handle.mesh("lens/handle", Diffuse(color=(1.0, 1.0, 1.0))),
             *town(),
         ),
         camera=_looking(STREET_EYE, STREET_GAZE, 12.0),

@@ -1,0 +1,31 @@
+"""Pictures without steps at edges: the mean of several, each with its samples moved by part of a pixel."""
+
+from __future__ import annotations
+
+from collections.abc import Generator
+from itertools import product
+
+import numpy as np
+
+from anamorph.errors import AnamorphError
+from anamorph.methods.protocol import Session
+from anamorph.raymesh import RayMesh
+from anamorph.scene.camera import Camera
+
+MAXIMUM_SAMPLES = 32
+
+
+def averaging(session: Session, camera: Camera | RayMesh, samples: int) -> Generator[tuple[int, int], None, np.ndarray]:
+    """Draw samples x samples shifted pictures and return their mean, linear (H, W, 3) float32.
+
+    Yields the pictures that are drawn, and their number.
+    """
+    if not isinstance(samples, int | np.integer) or not 1 <= samples <= MAXIMUM_SAMPLES:
+        raise AnamorphError(f"samples is {samples}; give a whole number from 1 to {MAXIMUM_SAMPLES} a side")
+    steps = (np.arange(samples) + 0.5) / samples - 0.5
+    total: np.ndarray | float = 0.0
+    for done, (y, x) in enumerate(product(steps, steps), start=1):
+        session.draw(camera, (float(x), float(y)))
+        total = total + session.frame().color.astype(float)
+        yield done, samples**2
+    return np.asarray(total / samples**2, np.float32)

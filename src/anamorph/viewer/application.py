@@ -1,0 +1,323 @@
+"""The viewer: one canvas, whatever it stands in, and all that happens on it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from time import perf_counter
+from typing import Any
+
+import numpy as np
+import wgpu
+from rendercanvas.base import BaseRenderCanvas
+
+from anamorph.errors import AnamorphError
+from anamorph.gpu.device import adapter_name, device_lost, forget_device
+from anamorph.projection import camera_projection
+from anamorph.scene.model import Scene
+from anamorph.viewer.controls import edited
+from anamorph.viewer.facts import Facts, Inspection, Progress, Request
+from anamorph.viewer.gestures import NO_GRIP, cursor, handle
+from anamorph.viewer.home import Home
+from anamorph.viewer.inspection import inspect
+from anamorph.viewer.layout import in_pixels, inside, picture_area
+from anamorph.viewer.measured import Measured
+from anamorph.viewer.panel import Drawn, draw_panel
+from anamorph.viewer.reports import report
+from anamorph.viewer.saving import Saving
+from anamorph.viewer.shortcuts import press
+from anamorph.viewer.showing import TRUTH, Showing
+from anamorph.viewer.space import Space, space_marks
+from anamorph.viewer.starting import Start
+from anamorph.viewer.state import looking_eye, shown_camera
+from anamorph.viewer.surface import Surface
+from anamorph.viewer.tasks import Shot, saving_of
+
+SETTLING = 3
+"""Frames after the last event: imgui needs them to show what it brought about."""
+
+REST_DELAY = 0.15
+"""Seconds without a change after which the picture is refined."""
+
+Later = Callable[[float, Callable[[], None]], object]
+"""Has something called after so many seconds."""
+
+
+class Viewer:
+    """Shows a scene on a canvas, and does what its user does there.
+
+    Parameters
+    ----------
+    canvas : BaseRenderCanvas
+        Of any backend.
+    start : Start
+    later : callable, optional
+        The event loop's; without one, refining begins with the first frame in which nothing moves.
+
+    Attributes
+    ----------
+    state : State
+        What is shown; whoever sets another calls `refresh`.
+    frames : int
+        How many have been drawn.
+    """
+
+    def __init__(self, canvas: BaseRenderCanvas, start: Start, later: Later | None = None) -> None:
+        self._canvas, self._later = canvas, later
+        self._saving: Saving | None = None
+        self._progress: Progress | None = None
+        self._surface = self._new_surface()
+        canvas.add_event_handler(self._place_pointer, "pointer_down", "pointer_up", order=-100)
+        canvas.add_event_handler(
+            self._on_pointer, "pointer_down", "pointer_move", "pointer_up", "wheel", "double_click"
+        )
+        canvas.add_event_handler(self._on_key, "key_down")
+        canvas.add_event_handler(self._on_any, "key_up", "char", "resize", "pointer_leave")
+        canvas.add_event_handler(self._on_close, "close")
+        self.frames = 0
+        self.open(start)
+        canvas.request_draw(self._draw)
+
+    def open(self, start: Start) -> None:
+        """Show another scene, or say why there is none."""
+        self.start, self.state, self.message = start, start.state, start.message
+        self._home = Home(start.state, start.opened.scene)
+        self._scene = start.opened.scene
+        self._values: object = {}
+        self._grip = NO_GRIP
+        self._drawn: Drawn | None = None
+        self.close()
+        self.refresh()
+
+    def refresh(self) -> None:
+        """Draw again soon, because something may have changed."""
+        self._settling = SETTLING
+        self._canvas.request_draw()
+
+    def report(self) -> dict[str, Any]:
+        """What the viewer shows, and where: plain data, for scripts and tests."""
+        return report(self._facts(), self.state, self._drawn, self.frames, self._at_rest)
+
+    def close(self) -> None:
+        """Let go of everything on the device, and end what runs."""
+        self._stop_saving()
+        self._showing, self._space = Showing(), Space(self._scene)
+        self._marked: object = None
+        self._inspected: tuple[tuple[float, float], Measured, Inspection] | None = None
+        self._changed_at = 0.0
+
+    def _new_surface(self) -> Surface:
+        surface = Surface(self._canvas)
+        surface.imgui.set_gui(self._draw_panel)
+        return surface
+
+    def _place_pointer(self, event: dict[str, Any]) -> None:
+        """A press comes before the move that led to it, and imgui takes its place from moves alone."""
+        self._surface.imgui.backend.io.add_mouse_pos_event(event["x"], event["y"])
+
+    def _on_any(self, event: dict[str, Any]) -> None:
+        self.refresh()
+
+    def _on_close(self, event: dict[str, Any]) -> None:
+        self.close()
+
+    def _on_pointer(self, event: dict[str, Any]) -> None:
+        self.refresh()
+        follows = event["event_type"] in ("pointer_move", "pointer_up")
+        covered = self._drawn.covered if self._drawn else ()
+        if not follows and any(inside(event["x"], event["y"], area) for area in covered):
+            return
+        left, top, right, bottom = self._area
+        size = right - left, bottom - top
+        within = _moved(event, -left, -top)
+        self._grip, self.state = handle(within, self._grip, self.state, size, self._home)
+        self._canvas.set_cursor(cursor(within, self.state, size, self._grip))
+
+    def _on_key(self, event: dict[str, Any]) -> None:
+        self.refresh()
+        if self._drawn is not None and self._drawn.typing:
+            return
+        self.state, requests = press(event, self.state, self._home)
+        self._obey(requests)
+
+    @property
+    def _area(self) -> tuple[float, float, float, float]:
+        return picture_area(self._canvas.get_logical_size(), self.state.panel)
+
+    @property
+    def _pixels(self) -> tuple[int, int, int, int]:
+        """Left, top, width and height of the picture on the canvas."""
+        return in_pixels(self._area, self._canvas.get_pixel_ratio())
+
+    @property
+    def _at_rest(self) -> bool:
+        """Whether nothing is left to refine."""
+        return self._showing.finished
+
+    def _draw(self) -> None:
+        """One frame: whatever is due, and then the canvas."""
+        try:
+            self._advance()
+            self._paint()
+        except wgpu.GPUError as error:
+            self._recover(error)
+        self.frames += 1
+        if self._settling > 0:
+            self._settling -= 1
+            self._canvas.request_draw()
+
+    def _recover(self, error: Exception) -> None:
+        """Go on with a new device where the old one is lost; else say what it refused."""
+        self.message = f"the graphics device failed: {' '.join(str(error).split())[:200]}"
+        if device_lost() is not None:
+            forget_device()
+            self._surface = self._new_surface()
+        self.close()
+
+    def _advance(self) -> None:
+        """Draw what has moved; else take one step of what is to be done at rest."""
+        scene, size, now = self._edited_scene(), self._pixels[2:], perf_counter()
+        if not scene.meshes or min(size) < 1:
+            return
+        if self._showing.update(scene, self.state, size):
+            self._changed_at = now
+            self._wake(REST_DELAY)
+            return
+        if self._saving is not None:
+            self._save(self._saving)
+        waited = now - self._changed_at
+        if self._later is not None and waited < REST_DELAY:
+            return
+        if self._showing.rest():
+            self._canvas.request_draw()
+
+    def _wake(self, seconds: float) -> None:
+        if self._later is None:
+            self._canvas.request_draw()
+        else:
+            self._later(seconds, self._canvas.request_draw)
+
+    def _paint(self) -> None:
+        pixels = self._pixels
+        if self._scene.meshes and min(pixels[2:]) > 0:
+            self._mark(pixels[2:])
+        clip = camera_projection(shown_camera(self.state), (max(pixels[2], 1), max(pixels[3], 1))).clip
+        ratio = self._canvas.get_pixel_ratio()
+        self._surface.draw(pixels, self._showing.halves, self.state.divider, clip, ratio)
+        self._surface.imgui.render()
+
+    def _mark(self, size: tuple[int, int]) -> None:
+        """Put into space what is to be drawn there, where that has changed."""
+        inspection, looking = self._inspect(size), looking_eye(self.state)
+        marked = (self._scene, self.state.drawings, self.state.observer, self.state.first, looking, size, inspection)
+        if marked != self._marked:
+            self._marked = marked
+            self._surface.mark(space_marks(self._space, self.state, looking, size, inspection))
+
+    def _draw_panel(self) -> None:
+        self._drawn = draw_panel(self.state, self._facts())
+        if self._drawn.state != self.state:
+            self.state = self._drawn.state
+            self.refresh()
+        self._obey(self._drawn.requests)
+
+    def _edited_scene(self) -> Scene:
+        """The scene with what its controls have been set to; where that cannot be, the last one that could."""
+        if self.state.values != self._values:
+            self._values = self.state.values
+            try:
+                self._scene = edited(self.start.opened.scene, self.state.values)
+                self._space = Space(self._scene)
+                self.message = ""
+            except AnamorphError as error:
+                self.message = str(error)
+        return self._scene
+
+    def _inspect(self, size: tuple[int, int]) -> Inspection | None:
+        """What is seen at the picked pixel, once its frames are there; until then, what was seen there last.
+
+        What the eye has looked into stays when an observer looks on: to see its path from outside.
+        """
+        if self.state.picked is None:
+            self._inspected = None
+            return None
+        x, y = self.state.picked
+        right = self.state.split and x >= self.state.divider
+        method = (self.state.second if right else self.state.first).method
+        measured = self._showing.measured.get(method)
+        if self._showing.at_rest and measured is not None and not self._inspected_already(measured):
+            pixel = min(int(x * size[0]), size[0] - 1), min(int(y * size[1]), size[1] - 1)
+            camera, truth = shown_camera(self.state), self._showing.frames[TRUTH]
+            found = inspect(self._space, camera, size, pixel, method, measured.frame, truth, measured.maps)
+            self._inspected = self.state.picked, measured, found
+        return self._inspected[2] if self._inspected else None
+
+    def _inspected_already(self, measured: Measured) -> bool:
+        if self._inspected is None or self._inspected[0] != self.state.picked:
+            return False
+        return self._inspected[1] is measured or self.state.observer is not None
+
+    def _obey(self, requests: tuple[Request, ...]) -> None:
+        """Begin what was asked for: one thing after the other, so that no two take each other's time."""
+        for request in requests:
+            if request is Request.CANCEL:
+                self.message = "stopped" if self._saving is not None else self.message
+                self._stop_saving()
+            elif self._saving is None and self._scene.meshes:
+                size = self._pixels[2:]
+                shot = Shot(self.start.opened, self._scene, self.state, size, self._showing, self._picture)
+                self._saving = saving_of(request, shot, Path.cwd())
+            self.refresh()
+
+    def _save(self, saving: Saving) -> None:
+        """Take one step of what is being saved."""
+        try:
+            self._progress = next(saving)
+        except StopIteration as end:
+            self.message = end.value
+            self._stop_saving()
+        except (AnamorphError, OSError) as error:
+            self.message = str(error)
+            self._stop_saving()
+        self.refresh()
+
+    def _stop_saving(self) -> None:
+        if self._saving is not None:
+            self._saving.close()
+        self._saving, self._progress = None, None
+
+    def _picture(self) -> np.ndarray:
+        """The picture as it is shown, without the panel, (H, W, 3) uint8 sRGB."""
+        size, ratio = self._pixels[2:], self._canvas.get_pixel_ratio()
+        clip = camera_projection(shown_camera(self.state), size).clip
+        return self._surface.picture(size, self._showing.halves, self.state.divider, clip, ratio)
+
+    def _facts(self) -> Facts:
+        showing, width_height = self._showing, self._pixels[2:]
+        measured = [showing.measured.get(half.method) for half in self.state.halves]
+        width, height = self._canvas.get_logical_size()
+        return Facts(
+            scene=self.start.opened.scene,
+            size=(round(width), round(height)),
+            picture=showing.picture,
+            full=(max(width_height[0], 0), max(width_height[1], 0)),
+            adapter=adapter_name(),
+            frame_ms=showing.frame_ms,
+            phases_ms=showing.phases,
+            samples_done=showing.samples_done,
+            samples_total=self.state.samples**2 if self.state.samples > 1 else 0,
+            figures=tuple(each.figures if each else None for each in measured),
+            inspection=self._inspected[2] if self._inspected else None,
+            message=" ".join(filter(None, (self.message, *showing.failures))),
+            progress=self._progress,
+        )
+
+
+def _moved(event: dict[str, Any], right: float, down: float) -> dict[str, Any]:
+    """A pointer event with its places moved, its touches' too."""
+    moved = {**event, "x": event["x"] + right, "y": event["y"] + down}
+    if event.get("touches"):
+        moved["touches"] = {
+            name: {**touch, "x": touch["x"] + right, "y": touch["y"] + down} for name, touch in event["touches"].items()
+        }
+    return moved

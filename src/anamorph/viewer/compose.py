@@ -1,0 +1,166 @@
+"""The canvas from its halves: pictures and layers side by side, with sRGB for the screen."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from importlib import resources
+from typing import Any
+
+import numpy as np
+import wgpu
+
+from anamorph.gpu.bindings import SAMPLER, bind, layout_of, texture
+from anamorph.gpu.device import get_device, of_device
+from anamorph.gpu.targets import COLOR_FORMAT, PIXEL_FORMAT, make_texture
+
+FRAGMENTS = ("sharp_picture", "blended_picture", "layer")
+
+
+@dataclass(frozen=True, eq=False)
+class Shown:
+    """What one half of the canvas shows: its picture, or in its place a layer of the colours of figures, or nothing."""
+
+    picture: wgpu.GPUTexture | None = None
+    layer: wgpu.GPUTexture | None = None
+
+
+@of_device
+def _module() -> wgpu.GPUShaderModule:
+    code = (resources.files("anamorph") / "viewer/compose.wgsl").read_text("utf-8")
+    return get_device().create_shader_module(code=code)
+
+
+@of_device
+def _layout() -> wgpu.GPUBindGroupLayout:
+    return layout_of(texture(), SAMPLER)
+
+
+@of_device
+def _sampler() -> wgpu.GPUSampler:
+    return get_device().create_sampler(mag_filter="linear", min_filter="linear")
+
+
+def _pipeline(fragment: str, target: dict[str, Any]) -> wgpu.GPURenderPipeline:
+    device = get_device()
+    return device.create_render_pipeline(
+        layout=device.create_pipeline_layout(bind_group_layouts=[_layout()]),
+        vertex={"module": _module(), "entry_point": "canvas_vertex", "buffers": []},
+        fragment={"module": _module(), "entry_point": fragment, "targets": [target]},
+        primitive={"topology": "triangle-list"},
+    )
+
+
+class _Bound:
+    """The bind group of whichever texture was bound last."""
+
+    def __init__(self) -> None:
+        self._texture: wgpu.GPUTexture | None = None
+        self._group: wgpu.GPUBindGroup | None = None
+
+    def group(self, of: wgpu.GPUTexture) -> wgpu.GPUBindGroup:
+        if self._texture is not of:
+            self._texture, self._group = of, bind(_layout(), [of.create_view(), _sampler()])
+        return self._group
+
+
+class Composer:
+    """Draws the halves side by side, onto canvases of one `form`: a texture format without sRGB."""
+
+    def __init__(self, form: str) -> None:
+        self._pipelines = {name: _pipeline(name, {"format": form}) for name in FRAGMENTS}
+        self._bound = _Bound(), _Bound()
+
+    def draw(
+        self,
+        render_pass: wgpu.GPURenderPassEncoder,
+        halves: tuple[Shown, ...],
+        area: tuple[int, int, int, int],
+        divider: float,
+    ) -> None:
+        """Fill an area with one half, or with two that meet at a share of its width.
+
+        Parameters
+        ----------
+        render_pass
+        halves : tuple of Shown
+        area : (left, top, width, height)
+            In pixels of the canvas, at which the pass stays cut off.
+        divider : float
+        """
+        left, top, width, height = area
+        if width < 1 or height < 1:
+            return
+        render_pass.set_viewport(left, top, width, height, 0.0, 1.0)
+        middle = round(width * divider) if len(halves) > 1 else width
+        for half, bound, (start, stop) in zip(halves, self._bound, ((0, middle), (middle, width)), strict=False):
+            shown = half.layer or half.picture
+            if shown is None or stop <= start:
+                continue
+            sharp = shown.size[:2] == (width, height)
+            name = "layer" if half.layer else "sharp_picture" if sharp else "blended_picture"
+            render_pass.set_scissor_rect(left + start, top, stop - start, height)
+            render_pass.set_pipeline(self._pipelines[name])
+            render_pass.set_bind_group(0, bound.group(shown))
+            render_pass.draw(3)
+        render_pass.set_scissor_rect(left, top, width, height)
+
+
+class Average:
+    """The mean of pictures of one `size` (width, height), on the device."""
+
+    def __init__(self, size: tuple[int, int]) -> None:
+        self.texture = make_texture(size, COLOR_FORMAT)
+        self.count = 0
+        self._view = self.texture.create_view()
+        self._bound = _Bound()
+
+    def restart(self) -> None:
+        """Forget all pictures."""
+        self.count = 0
+
+    def add(self, picture: wgpu.GPUTexture) -> None:
+        """Take one more."""
+        self.count += 1
+        device = get_device()
+        encoder = device.create_command_encoder()
+        attachment = {
+            "view": self._view,
+            "clear_value": (0, 0, 0, 0),
+            "load_op": "clear" if self.count == 1 else "load",
+            "store_op": "store",
+        }
+        render_pass = encoder.begin_render_pass(color_attachments=[attachment])
+        render_pass.set_pipeline(_averaging())
+        render_pass.set_bind_group(0, self._bound.group(picture))
+        render_pass.set_blend_constant((1.0 / self.count,) * 4)
+        render_pass.draw(3)
+        render_pass.end()
+        device.queue.submit([encoder.finish()])
+
+
+@of_device
+def _averaging() -> wgpu.GPURenderPipeline:
+    mixed = {"operation": "add", "src_factor": "constant", "dst_factor": "one-minus-constant"}
+    return _pipeline("copied", {"format": COLOR_FORMAT, "blend": {"color": mixed, "alpha": mixed}})
+
+
+class LayerTexture:
+    """Figures as colours, (H, W, 4) uint8 sRGB, on the device."""
+
+    def __init__(self) -> None:
+        self.texture: wgpu.GPUTexture | None = None
+
+    def write(self, colors: np.ndarray) -> wgpu.GPUTexture:
+        """Replace them; the texture is a new one where the size is."""
+        height, width = colors.shape[:2]
+        device = get_device()
+        if self.texture is None or self.texture.size[:2] != (width, height):
+            usage = wgpu.TextureUsage.TEXTURE_BINDING | wgpu.TextureUsage.COPY_DST
+            self.texture = device.create_texture(size=(width, height, 1), format=PIXEL_FORMAT, usage=usage)
+        device.queue.write_texture(
+            {"texture": self.texture, "mip_level": 0, "origin": (0, 0, 0)},
+            np.ascontiguousarray(colors),
+            {"bytes_per_row": 4 * width, "rows_per_image": height},
+            (width, height, 1),
+        )
+        return self.texture

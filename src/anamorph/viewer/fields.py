@@ -1,0 +1,182 @@
+"""Fields that hold a value: numbers on a slider, and words out of a list."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+from imgui_bundle import imgui
+
+from anamorph.viewer import theme
+from anamorph.viewer.sheet import Sheet, field_width, sign, text_width, tip, wrapped
+from anamorph.viewer.wording import decimals, number_text
+
+
+@dataclass(frozen=True)
+class Choice:
+    """One of a list's words; `reason` says why it cannot be taken, and is empty where it can."""
+
+    value: str
+    text: str
+    summary: str = ""
+    reason: str = ""
+
+
+def number(
+    sheet: Sheet,
+    key: str,
+    label: str,
+    value: float,
+    limits: tuple[float, float],
+    *,
+    default: float,
+    step: float = 0.01,
+    unit: str = "",
+    summary: str = "",
+    logarithmic: bool = False,
+    shown: Callable[[float], str] | None = None,
+) -> float:
+    """A number between limits, dragged or typed after a press with Ctrl; its new value, a whole number of steps.
+
+    Parameters
+    ----------
+    sheet : Sheet
+    key : str
+    label : str
+    value : float
+    limits : (low, high)
+    default : float
+        Where the value differs from this, a button sets it back.
+    step : float
+        What values are rounded to.
+    unit, summary : str
+    logarithmic : bool
+    shown : callable, optional
+        The text for a value, in place of the number with its unit.
+    """
+    low, high = limits
+    ends = _drawn_ends(low, high, default)
+    # One digit more, where the value was typed or found, and is no whole number of steps.
+    places = decimals(step)
+    places += abs(value - round(value / step) * step) > 1e-6 * step
+    said = shown(value) if shown else number_text(value, places, unit)
+    width = field_width()
+    widest = max(text_width(number_text(end, decimals(step) + 1, unit)) for end in ends)
+    # Not by the value itself: the label would jump about while it is dragged.
+    if shown or text_width(label) + widest + 20.0 > width:
+        wrapped(label, theme.FAINT)
+        label = ""
+    typed = _typed_into(key)
+    flags = imgui.SliderFlags_.no_round_to_format
+    flags |= imgui.SliderFlags_.logarithmic if logarithmic else imgui.SliderFlags_.none
+    imgui.set_next_item_width(width)
+    imgui.push_style_color(imgui.Col_.slider_grab, theme.CLEAR)
+    imgui.push_style_color(imgui.Col_.slider_grab_active, theme.CLEAR)
+    imgui.push_style_color(imgui.Col_.text, theme.TEXT if typed else theme.CLEAR)
+    changed, new = imgui.slider_float(f"##{key}", value, *ends, f"%.{places}f", flags)
+    imgui.pop_style_color(3)
+    sheet.mark(key)
+    if not _typed_into(key):
+        _fill(_share(value, *ends, logarithmic))
+        _words(label, said)
+    if not imgui.is_item_active():
+        tip("\n".join(filter(None, (summary, _between(low, high, places, unit), "Ctrl-click to type."))))
+    if changed and math.isfinite(new):
+        # imgui counts in float32; what is typed is not rounded to steps.
+        value = min(max(round(new if typed else round(new / step) * step, 6), low), high)
+    if abs(value - default) > 1e-6 * step:
+        imgui.same_line(0.0, 2.0)
+        if sign(sheet, f"{key}/reset", "reset", f"Back to {number_text(default, places, unit)}"):
+            value = default
+    return value
+
+
+def text(sheet: Sheet, key: str, label: str, value: str, summary: str = "") -> str:
+    """A text to type, taken when Enter is pressed; its new value."""
+    wrapped(label, theme.FAINT)
+    imgui.set_next_item_width(field_width())
+    _, value = imgui.input_text(f"##{key}", value, imgui.InputTextFlags_.enter_returns_true)
+    sheet.mark(key)
+    tip(summary)
+    return value
+
+
+def word(sheet: Sheet, key: str, label: str, value: str, choices: Sequence[Choice], summary: str = "") -> str:
+    """A word out of a list that opens; its new value."""
+    said = next((each.text for each in choices if each.value == value), value)
+    width = field_width()
+    arrow = imgui.get_frame_height()
+    if text_width(label) + text_width(said) + arrow + 20.0 > width:
+        wrapped(label, theme.FAINT)
+        label = ""
+    imgui.set_next_item_width(width)
+    opened = imgui.begin_combo(f"##{key}", "", imgui.ComboFlags_.height_largest)
+    # Inside an opened list the last item is the list's, and so are its rectangle and its words.
+    if not opened:
+        sheet.mark(key)
+        _words(label, said, arrow)
+        tip(summary)
+        return value
+    value = _listed(sheet, key, value, choices)
+    imgui.end_combo()
+    sheet.mark(key)
+    _words(label, said, arrow)
+    sheet.cover_canvas()
+    return value
+
+
+def _listed(sheet: Sheet, key: str, value: str, choices: Sequence[Choice]) -> str:
+    chosen = value
+    for each in choices:
+        imgui.begin_disabled(bool(each.reason))
+        if imgui.selectable(f"{each.text}##{key}/{each.value}", each.value == value)[0]:
+            chosen = each.value
+        imgui.end_disabled()
+        sheet.mark(f"{key}/{each.value}")
+        tip(each.reason or each.summary)
+    return chosen
+
+
+def _drawn_ends(low: float, high: float, default: float) -> tuple[float, float]:
+    """Where a slider ends: at the limits, or where there is none far enough from the default."""
+    reach = max(10.0, 4.0 * abs(default))
+    return low if math.isfinite(low) else -reach, high if math.isfinite(high) else reach
+
+
+def _between(low: float, high: float, places: int, unit: str) -> str:
+    if not math.isfinite(low):
+        return ""
+    if not math.isfinite(high):
+        return f"{number_text(low, places, unit)} or more"
+    return f"{number_text(low, places)} to {number_text(high, places, unit)}"
+
+
+def _typed_into(key: str) -> bool:
+    return imgui.internal.temp_input_is_active(imgui.get_id(f"##{key}"))
+
+
+def _share(value: float, low: float, high: float, logarithmic: bool) -> float:
+    """How far along the slider a value is, as imgui has it."""
+    if high <= low:
+        return 0.0
+    if logarithmic and low > 0.0:
+        return math.log(max(value, low) / low) / math.log(high / low)
+    return (min(max(value, low), high) - low) / (high - low)
+
+
+def _fill(share: float) -> None:
+    """Colour the last item from its left end up to the value."""
+    low, high = imgui.get_item_rect_min(), imgui.get_item_rect_max()
+    color = theme.FILL_UNDER if imgui.is_item_hovered() or imgui.is_item_active() else theme.FILL
+    imgui.get_window_draw_list().add_rect_filled(
+        low, (low.x + share * (high.x - low.x), high.y), imgui.get_color_u32(color)
+    )
+
+
+def _words(label: str, said: str, room: float = 0.0) -> None:
+    """Write a label at the left and a value at the right of the last item."""
+    low, high = imgui.get_item_rect_min(), imgui.get_item_rect_max()
+    lines, y = imgui.get_window_draw_list(), low.y + 3.0
+    lines.add_text((low.x + 6.0, y), imgui.get_color_u32(theme.FAINT), label)
+    lines.add_text((high.x - room - 6.0 - text_width(said), y), imgui.get_color_u32(theme.TEXT), said)

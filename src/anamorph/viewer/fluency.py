@@ -1,0 +1,55 @@
+"""How coarse the picture is while things move: coarser before it stutters, finer as soon as there is time."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+SCALES = (1.0, 0.75, 0.5, 0.35, 0.25)
+"""Pixels of the picture for each of the canvas, along one axis."""
+
+SLOWEST = 62.0
+"""Milliseconds that a frame may take: sixteen pictures a second."""
+
+MARGIN = 0.75
+"""The share of `SLOWEST` that a finer picture must be expected to take before it is tried."""
+
+PATIENCE = 2
+"""Slow frames one after the other that make the picture coarser: a single one has compiled something."""
+
+
+@dataclass(frozen=True)
+class Fluency:
+    """The scale of pictures that move, by its number in `SCALES`, and how many slow frames there were in turn."""
+
+    level: int = 0
+    slow: int = 0
+
+    @property
+    def scale(self) -> float:
+        """Pixels of the picture for each of the canvas, along one axis."""
+        return SCALES[self.level]
+
+    def after(self, milliseconds: float) -> Fluency:
+        """What the next frame should be drawn at, when one at this scale took so long."""
+        if milliseconds > SLOWEST:
+            if self.slow + 1 < PATIENCE:
+                return Fluency(self.level, self.slow + 1)
+            return Fluency(self._fast_enough(milliseconds))
+        if self.level > 0 and self._expected(milliseconds, self.level - 1) < MARGIN * SLOWEST:
+            return Fluency(self.level - 1)
+        return Fluency(self.level)
+
+    def _fast_enough(self, milliseconds: float) -> int:
+        last = len(SCALES) - 1
+        coarser = range(min(self.level + 1, last), last)
+        return next((level for level in coarser if self._expected(milliseconds, level) <= SLOWEST), last)
+
+    def _expected(self, milliseconds: float, level: int) -> float:
+        """What a frame would take at another level, if all its time went to pixels."""
+        return milliseconds * (SCALES[level] / self.scale) ** 2
+
+
+def scaled(size: tuple[int, int], scale: float) -> tuple[int, int]:
+    """The size (width, height) of a picture at `scale`, in whole pixels."""
+    width, height = size
+    return max(round(width * scale), 1), max(round(height * scale), 1)

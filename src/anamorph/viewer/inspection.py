@@ -1,0 +1,135 @@
+"""What is seen at one pixel: what the method shows there, how wrong that is, and the way that light takes in truth."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from anamorph.errors import AnamorphError
+from anamorph.frame import Frame
+from anamorph.measure.errors import ErrorMaps
+from anamorph.measure.status import STATUS_NAMES
+from anamorph.methods.paths import PathTracer
+from anamorph.scene.camera import Camera
+from anamorph.scene.model import Scene
+from anamorph.viewer.facts import Inspection, Stop, Vector
+from anamorph.viewer.space import Space
+
+EYE, SKY, NOTHING = "eye", "sky", "nothing"
+"""Names of what is no mesh."""
+
+
+def inspect(
+    space: Space,
+    camera: Camera,
+    size: tuple[int, int],
+    pixel: tuple[int, int],
+    method: str,
+    frame: Frame,
+    truth: Frame | None = None,
+    maps: ErrorMaps | None = None,
+) -> Inspection:
+    """Look into one pixel of a picture.
+
+    Parameters
+    ----------
+    space : Space
+        Of the scene as it is drawn.
+    camera : Camera
+        That the picture is taken from.
+    size : (width, height)
+        Of the picture.
+    pixel : (x, y)
+        Whole pixels from the top left.
+    method : str
+        What drew `frame`, for the record.
+    frame : Frame
+        With its seen buffers.
+    truth : Frame, optional
+        With its seen buffers and its last rays; without it, there are no errors but those of `maps`.
+    maps : ErrorMaps, optional
+        Of the frame against the truth; without them the error in pixels is not known.
+
+    Raises
+    ------
+    AnamorphError
+        The pixel lies outside the picture, or a frame lacks its seen buffers or has another size.
+    """
+    column, row = pixel
+    if not (0 <= column < size[0] and 0 <= row < size[1]):
+        raise AnamorphError(f"pixel {pixel}: lies outside the picture of {size[0]} x {size[1]}; choose one inside")
+    position, number, looks_at, status = _seen(frame, size, column, row, "frame")
+    path = trace_path(space, camera, size, pixel)
+    point = _vector(position) if number else None
+    true = path[-1].name
+    if truth is not None:
+        true_position, true_number, _, _ = _seen(truth, size, column, row, "truth")
+        true = _name(space.scene, true_number, true_position)
+    counts = maps is not None and bool(maps.specular[row, column])
+    angular = None
+    if maps is not None and counts:
+        angular = float(maps.angular[row, column])
+    return Inspection(
+        pixel=(column, row),
+        method=method,
+        seen=_name(space.scene, number, position),
+        point=point,
+        distance=None if point is None else _length(path, point, bool(looks_at)),
+        status=STATUS_NAMES[status],
+        path=path,
+        truth=true,
+        angular_mrad=angular,
+        pixels=float(maps.pixels[row, column]) if maps is not None and counts else None,
+        silhouette=maps is not None and bool(maps.silhouette[row, column]),
+    )
+
+
+def trace_path(space: Space, camera: Camera, size: tuple[int, int], pixel: tuple[int, int]) -> tuple[Stop, ...]:
+    """The way from the eye through the middle of a pixel, bent at the exact surfaces, to where it ends.
+
+    A path into the sky ends as far away as the scene is large.
+    """
+    tracer = PathTracer(space.scene, space.geometry, space.world.caster)
+    direction = camera.directions(np.add(pixel, 0.5), size)
+    records = tracer.follow(np.asarray(camera.position, float), direction)
+    triangles = records.view(np.int32)[:, 3]
+    names = [
+        space.scene.meshes[space.geometry.face_object[triangle] - 1].name if triangle >= 0 else SKY
+        for triangle in triangles
+    ]
+    last = records[-1].astype(float)
+    far = last[11] if np.isfinite(last[11]) else space.world.diagonal
+    # A ray begins where the one before it has ended.
+    points = [*records[1:, :3].astype(float), last[:3] + far * last[4:7]]
+    stops = [Stop(name, _vector(point)) for name, point in zip(names, points, strict=True)]
+    return (Stop(EYE, _vector(camera.position)), *stops)
+
+
+def _seen(frame: Frame, size: tuple[int, int], column: int, row: int, which: str) -> tuple[np.ndarray, int, int, int]:
+    """Position, object, specular object and status of one pixel."""
+    if frame.position is None or frame.object_id is None or frame.specular is None or frame.status is None:
+        raise AnamorphError(f"{which}: has no seen buffers; draw it with seen=True")
+    if frame.object_id.shape != (size[1], size[0]):
+        width, height = frame.object_id.shape[::-1]
+        raise AnamorphError(f"{which}: is {width} x {height}, not {size[0]} x {size[1]}; draw it at the picture's size")
+    place = row, column
+    return frame.position[place], int(frame.object_id[place]), int(frame.specular[place]), int(frame.status[place])
+
+
+def _name(scene: Scene, number: int, position: np.ndarray) -> str:
+    if number:
+        return scene.meshes[number - 1].name
+    # The sky, too, is seen in some direction.
+    return SKY if position.any() else NOTHING
+
+
+def _length(path: Sequence[Stop], point: Vector, bends: bool) -> float:
+    """Along the true path's surfaces to `point`, or straight there."""
+    points = np.array([*(stop.point for stop in (path[:-1] if bends else path[:1])), point])
+    return float(np.linalg.norm(np.diff(points, axis=0), axis=1).sum())
+
+
+def _vector(values: Sequence[float] | np.ndarray) -> Vector:
+    x, y, z = (float(value) for value in values)
+    return x, y, z

@@ -1,0 +1,116 @@
+"""How wrong what one half shows is: its errors against the truth, and the layers that show them over the picture.
+
+Layers are 8-bit sRGB. The truth, or the picture, stays behind them in a grey that none of their colours comes near.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cache
+
+import numpy as np
+
+from anamorph.errors import AnamorphError
+from anamorph.frame import Frame, Status
+from anamorph.measure.errors import ErrorMaps, error_maps, geometry_statistics
+from anamorph.measure.heatmap import MILLIRADIANS, PIXELS, Scale, faint, heat_layer, opaque, packed
+from anamorph.measure.status import status_shares
+from anamorph.viewer.facts import Figures
+
+Color = tuple[int, int, int]
+
+SCALES: Mapping[str, Scale] = {scale.unit: scale for scale in (MILLIRADIANS, PIXELS)}
+"""Of the error layer, by `State.unit`."""
+
+OTHER_OBJECT: Color = (255, 0, 255)
+SILHOUETTE: Color = (0, 0, 0)
+
+ERROR_MARKS: Mapping[str, Color] = {"sees another object": OTHER_OBJECT, "at a silhouette": SILHOUETTE}
+"""What has a colour of its own in the error layer, for its legend."""
+
+STATUS_COLORS: dict[Status, Color] = {
+    Status.DIRECT: (225, 225, 225),
+    Status.WARPED: (30, 70, 220),
+    Status.REFINED: (245, 190, 40),
+    Status.TRACED: (240, 115, 105),
+    Status.SKY: (86, 180, 233),
+    Status.TOTAL_REFLECTION: (140, 20, 10),
+    Status.OUTSIDE: (0, 0, 0),
+    Status.PROJECTED: (120, 25, 150),
+}
+"""Of the status layer; the colour-blind, too, tell them apart. Direct pixels show the picture, in about this grey."""
+
+
+@dataclass(frozen=True, eq=False)
+class Measured:
+    """What one half shows, held against the truth.
+
+    Parameters
+    ----------
+    frame, truth : Frame
+        With their seen buffers.
+    maps : ErrorMaps
+    figures : Figures
+    """
+
+    frame: Frame
+    truth: Frame
+    maps: ErrorMaps
+    figures: Figures
+
+
+def measure_half(truth: Frame, frame: Frame) -> Measured:
+    """Hold `frame` against `truth`; both need their seen buffers, and `truth` its last rays."""
+    maps = error_maps(truth, frame)
+    errors = geometry_statistics(maps)
+    figures = Figures(
+        angular_mrad=errors.angular_mrad,
+        pixels=errors.pixels,
+        other_object_percent=errors.other_object_percent,
+        status_percent=status_shares(frame, maps.specular),
+    )
+    return Measured(frame, truth, maps, figures)
+
+
+def error_layer(measured: Measured, unit: str) -> np.ndarray:
+    """The error of each pixel over the truth in faint grey, (H, W, 4) uint8, in "mrad" or "px": see `scale_ticks`."""
+    maps = measured.maps
+    layer = heat_layer(maps, measured.truth.color, _scale(unit))
+    for marked, color in ((maps.silhouette, SILHOUETTE), (maps.other_object, OTHER_OBJECT)):
+        np.copyto(packed(layer), opaque(np.array(color, np.uint8)), where=marked)
+    return layer
+
+
+def status_layer(frame: Frame) -> np.ndarray:
+    """How each pixel got its value, (H, W, 4) uint8, in `STATUS_COLORS`; what is seen directly shows the picture."""
+    if frame.status is None or frame.specular is None:
+        raise AnamorphError("frame: has no 'status' buffer; draw it with seen=True")
+    layer = faint(frame.color)
+    bent = frame.status != Status.DIRECT
+    if not frame.ray_mesh:
+        # The sky beside a mirror is seen directly, and has a status of its own.
+        bent &= (frame.specular != 0) | (frame.status != Status.SKY)
+    np.copyto(packed(layer), _status_colors()[frame.status], where=bent)
+    return layer
+
+
+def scale_ticks(unit: str) -> tuple[tuple[float, str], ...]:
+    """Of the error layer's scale: places from 0, its lowest end, to 1, and their labels."""
+    ticks = _scale(unit).ticks
+    return tuple((number / (len(ticks) - 1), f"{tick:g}") for number, tick in enumerate(ticks))
+
+
+def _scale(unit: str) -> Scale:
+    if unit not in SCALES:
+        raise AnamorphError(f"unit: is {unit!r}; give {' or '.join(SCALES)}")
+    return SCALES[unit]
+
+
+@cache
+def _status_colors() -> np.ndarray:
+    """Packed, by status."""
+    colors = np.zeros((256, 3), np.uint8)
+    for status, color in STATUS_COLORS.items():
+        colors[status] = color
+    return opaque(colors)

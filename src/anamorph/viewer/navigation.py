@@ -1,0 +1,130 @@
+"""Moving a camera: around its target, along the picture, nearer, and turned in place.
+
+Every function takes a camera and gives another; none has a state of its own. "Up" is the camera's own up vector
+throughout: it stays as it is, so that no sequence of movements tilts the horizon.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+
+from anamorph.scene.camera import Camera, Vector
+from anamorph.viewer.state import State
+
+STEEPEST = np.radians(89.0)
+"""How far a view may rise or fall: at the pole itself, right and left would be undefined."""
+
+NEAREST, FARTHEST = 1e-3, 1e5
+"""Limits of the distance between eye and target, metres."""
+
+OUTERMOST = 1e6
+"""How far out a target can get along any axis, metres: beyond, eye and target would run into one number."""
+
+NARROWEST, WIDEST = 1.0, 150.0
+"""Limits of the field of view, degrees."""
+
+
+def orbit(camera: Camera, right: float, up: float) -> Camera:
+    """The camera moved around its target, which stays where it is and as far away.
+
+    Parameters
+    ----------
+    camera : Camera
+    right, up : float
+        How far the eye goes, radians. It stops short of the pole above the target and of the one below.
+    """
+    away = np.subtract(camera.position, camera.target)
+    return replace(camera, position=_tuple(camera.target + _turned(away, camera.up, right, up)))
+
+
+def look(camera: Camera, right: float, up: float) -> Camera:
+    """The camera turned in place: its target goes around it.
+
+    Parameters
+    ----------
+    camera : Camera
+    right, up : float
+        How far it turns, radians. It stops short of straight up and straight down.
+    """
+    ahead = np.subtract(camera.target, camera.position)
+    ahead = _turned(ahead, camera.up, -right, up)
+    return _placed(camera, camera.position + ahead, -ahead)
+
+
+def pan(camera: Camera, right: float, up: float) -> Camera:
+    """The camera moved along its picture, so that what is seen at the target's distance moves in it.
+
+    Parameters
+    ----------
+    camera : Camera
+    right, up : float
+        How far that moves, as shares of the picture's height.
+    """
+    target = camera.target - _in_picture(camera, right, up)
+    return _placed(camera, target, np.subtract(camera.position, camera.target))
+
+
+def zoom(camera: Camera, factor: float, toward: tuple[float, float] = (0.0, 0.0)) -> Camera:
+    """The camera brought nearer, so that what is seen at the target's distance is `factor` times as large.
+
+    Parameters
+    ----------
+    camera : Camera
+    factor : float
+        Above 1 to come nearer, between 0 and 1 to go away.
+    toward : (right, up)
+        The point at the target's distance that keeps its place in the picture: its offset from the picture's middle,
+        as shares of the picture's height.
+    """
+    away = np.subtract(camera.position, camera.target)
+    distance = np.linalg.norm(away)
+    scale = np.clip(distance / factor, NEAREST, FARTHEST) / distance
+    return _placed(camera, camera.target + (1.0 - scale) * _in_picture(camera, *toward), scale * away)
+
+
+def magnify(camera: Camera, factor: float) -> Camera:
+    """The camera with another field of view, so that its picture's middle is `factor` times as large."""
+    half = np.arctan(np.tan(np.radians(camera.field_of_view) / 2.0) / factor)
+    return replace(camera, field_of_view=float(np.clip(np.degrees(2.0 * half), NARROWEST, WIDEST)))
+
+
+def steer(state: State, move: Callable[[Camera], Camera]) -> State:
+    """The state with what is steered moved: the observer where one looks, else the eye midway between the two."""
+    if state.observer is not None:
+        return replace(state, observer=move(state.observer))
+    return replace(state, camera=move(state.camera))
+
+
+def _placed(camera: Camera, target: np.ndarray, away: np.ndarray) -> Camera:
+    """The camera with `target` (3,), or the nearest that is allowed, and its eye `away` (3,) from it."""
+    target = np.clip(target, -OUTERMOST, OUTERMOST)
+    return replace(camera, position=_tuple(target + away), target=_tuple(target))
+
+
+def _in_picture(camera: Camera, right: float, up: float) -> np.ndarray:
+    """The world vector, metres, that spans these shares of the picture's height at the target's distance."""
+    distance = np.linalg.norm(np.subtract(camera.target, camera.position))
+    height = 2.0 * distance * np.tan(np.radians(camera.field_of_view) / 2.0)
+    across, above, _ = camera.axes()
+    return height * (right * across + up * above)
+
+
+def _turned(vector: np.ndarray, pole: Vector, around: float, up: float) -> np.ndarray:
+    """`vector` (3,) turned counter-clockwise `around` the pole, and `up` toward it; radians."""
+    axis = np.asarray(pole, float) / np.linalg.norm(pole)
+    length = np.linalg.norm(vector)
+    height = float(vector @ axis)
+    level = vector - height * axis
+    reach = float(np.linalg.norm(level))
+    rise = np.clip(np.arctan2(height, reach) + up, -STEEPEST, STEEPEST)
+    level = level / reach
+    level = np.cos(around) * level + np.sin(around) * np.cross(axis, level)
+    return length * (np.cos(rise) * level + np.sin(rise) * axis)
+
+
+def _tuple(vector: np.ndarray) -> Vector:
+    x, y, z = vector.tolist()
+    return (x, y, z)

@@ -1,0 +1,150 @@
+"""The panel's section on the picture: which methods draw it, with which options, and how finely."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import fields, replace
+from functools import lru_cache
+from typing import Any
+
+from anamorph.errors import AnamorphError
+from anamorph.methods import METHODS, Method, parse
+from anamorph.viewer import theme
+from anamorph.viewer.controls import OptionControl, option_controls
+from anamorph.viewer.facts import Facts
+from anamorph.viewer.fields import Choice, number, text, word
+from anamorph.viewer.sheet import Sheet, button, caption, checkbox, choice, fold, section, wrapped
+from anamorph.viewer.state import Drawing, Half, Layer, State
+from anamorph.viewer.wording import size_text
+
+TRUTH = "raytrace"
+
+LAYERS = ((Layer.PICTURE, "Picture"), (Layer.ERROR, "Error"), (Layer.STATUS, "Status"))
+UNITS = (("mrad", "mrad"), ("px", "pixels"))
+SAMPLES = (("1", "1"), ("2", size_text((2, 2))), ("4", size_text((4, 4))), ("8", size_text((8, 8))))
+RESOLUTIONS = (("0.0", "auto"), ("1.0", "100 %"), ("0.75", "75 %"), ("0.5", "50 %"), ("0.25", "25 %"))
+DRAWINGS = (
+    (Drawing.WIREFRAME, "Wireframe", "The triangles of mirrors and lenses"),
+    (Drawing.HITS, "Hit balls", "A ball where the ray of each vertex meets the scene"),
+    (Drawing.VIEWPOINT, "Virtual viewpoint", "The point that the bent rays come nearest to, and these rays"),
+    (Drawing.VOLUME, "View volume", "What the map taken from the virtual viewpoint holds"),
+)
+
+UNIT_SIGNS = {"degrees": "°", "pixels": "px"}
+
+cached_options = lru_cache(maxsize=32)(option_controls)
+"""A method's options; they are the same at every frame."""
+
+
+def picture_section(sheet: Sheet, state: State, facts: Facts) -> State:
+    """What the halves show, and how finely."""
+    if not section(sheet, "section/picture", "Picture"):
+        return state
+    if state.split:
+        caption("Left half")
+    state = replace(state, first=_half(sheet, "first", state.first, facts))
+    split = checkbox(sheet, "split", "Compare with a second half", state.split)
+    state = replace(state, split=split)
+    if state.split:
+        caption("Right half")
+        state = replace(state, second=_half(sheet, "second", state.second, facts))
+    if any(half.layer is Layer.ERROR for half in state.halves):
+        caption("Errors in")
+        state = replace(state, unit=choice(sheet, "unit", state.unit, UNITS))
+    return state
+
+
+def quality_section(sheet: Sheet, state: State) -> State:
+    """How finely the picture is drawn, at rest and while it moves."""
+    if not section(sheet, "section/quality", "Quality", opened=False):
+        return state
+    caption("Samples a pixel, at rest")
+    state = replace(state, samples=int(choice(sheet, "samples", str(state.samples), SAMPLES)))
+    caption("Resolution while moving")
+    resolution = choice(sheet, "resolution", str(float(state.resolution)), RESOLUTIONS)
+    return replace(state, resolution=float(resolution))
+
+
+def space_section(sheet: Sheet, state: State) -> State:
+    """What is drawn into space."""
+    if not section(sheet, "section/space", "In space", opened=False):
+        return state
+    drawings = set(state.drawings)
+    for drawing, title, summary in DRAWINGS:
+        if checkbox(sheet, f"space/{drawing}", title, drawing in drawings, summary):
+            drawings.add(drawing)
+        else:
+            drawings.discard(drawing)
+    return replace(state, drawings=frozenset(drawings))
+
+
+def specification(method: Method, options: Any) -> str:
+    """ "NAME[:option=value,...]" with the options that differ from their defaults."""
+    given = [
+        f"{field.name}={str(value).lower() if isinstance(value, bool) else value}"
+        for field in fields(method.options)
+        if (value := getattr(options, field.name)) != field.default
+    ]
+    return f"{method.name}:{','.join(given)}" if given else method.name
+
+
+def method_title(name: str) -> str:
+    """What a method is called in lists."""
+    return f"{name} (the truth)" if name == TRUTH else name
+
+
+def _half(sheet: Sheet, key: str, half: Half, facts: Facts) -> Half:
+    name = half.method.partition(":")[0]
+    chosen = word(sheet, f"{key}/method", "method", name, _methods(facts), getattr(METHODS.get(name), "summary", ""))
+    half = half if chosen == name else replace(half, method=chosen)
+    half = replace(half, layer=Layer(choice(sheet, f"{key}/layer", half.layer, LAYERS)))
+    try:
+        method, options = parse(half.method)
+    except AnamorphError as error:
+        wrapped(str(error), theme.WARNING)
+        return half
+    if not fold(sheet, f"{key}/options", "Options", False):
+        return half
+    was = options
+    for control in cached_options(method):
+        value = _option(sheet, f"{key}/{control.name}", control, getattr(options, control.name))
+        options = replace(options, **{control.name: value})
+    if options != method.options() and button(sheet, f"{key}/reset", "Reset the options"):
+        options = method.options()
+    return half if options == was else replace(half, method=specification(method, options))
+
+
+def _methods(facts: Facts) -> tuple[Choice, ...]:
+    glass = "This scene has glass, and {} does not refract: it cannot draw it"
+    return tuple(
+        Choice(name, method_title(name), method.summary, "" if _draws(method, facts) else glass.format(name))
+        for name, method in METHODS.items()
+    )
+
+
+def _draws(method: Method, facts: Facts) -> bool:
+    return method.refracts or not facts.scene.refracts
+
+
+def _option(sheet: Sheet, key: str, control: OptionControl, value: Any) -> Any:
+    label = control.name.replace("_", " ")
+    if control.kind == "flag":
+        return checkbox(sheet, key, label, value, control.summary)
+    if control.kind == "choice":
+        choices = tuple(Choice(str(each), str(each)) for each in control.choices)
+        return type(value)(word(sheet, key, label, str(value), choices, control.summary))
+    if control.kind == "word":
+        return text(sheet, key, label, value, control.summary)
+    whole = control.kind == "whole"
+    new = number(
+        sheet,
+        key,
+        label,
+        float(value),
+        (-math.inf if control.low is None else control.low, math.inf if control.high is None else control.high),
+        default=float(control.default),
+        step=1.0 if whole else 0.01,
+        unit=UNIT_SIGNS.get(control.unit, control.unit),
+        summary=control.summary,
+    )
+    return round(new) if whole else new

@@ -1,0 +1,130 @@
+"""The panel's sections that tell: what is seen at a pixel, how wrong the halves are, and how long it took."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+from imgui_bundle import imgui
+
+from anamorph.measure.errors import Statistics
+from anamorph.viewer import theme
+from anamorph.viewer.facts import Facts, Figures, Inspection, Request
+from anamorph.viewer.sheet import Sheet, button, caption, field_width, row, section, wrapped
+from anamorph.viewer.state import State
+from anamorph.viewer.wording import NOT_MEASURED, figure, name_text, number_text, point_text, size_text
+
+SAVED = (
+    (Request.SAVE_PICTURE, "Picture", "The picture as it is seen, without the panel"),
+    (Request.SAVE_SCENE, "Scene file", "A scene file that opens this very view again"),
+    (Request.SAVE_COMPARISON, "Comparison", "A page that compares the methods on this view, with error maps"),
+    (Request.SAVE_TURNTABLE, "Turntable", "A video of one turn around what is looked at"),
+    (Request.SAVE_TURNTABLE_SERIES, "PNG series", "One turn around what is looked at, a picture at a time"),
+)
+
+
+def inspection_section(sheet: Sheet, state: State, facts: Facts) -> State:
+    """What is seen at the pixel that is looked into."""
+    fresh = _newly_picked(state)
+    if fresh:
+        imgui.set_next_item_open(True)
+    if not section(sheet, "section/inspection", "Looked-into pixel"):
+        return state
+    if fresh:
+        imgui.set_scroll_here_y(0.0)
+    if facts.inspection is None:
+        caption("Measuring …" if state.picked else "Click into the picture to look into a pixel.")
+    else:
+        _inspection(facts.inspection)
+    if state.picked and button(sheet, "inspection/clear", "Clear"):
+        state = replace(state, picked=None)
+    return state
+
+
+def figures_section(sheet: Sheet, state: State, facts: Facts) -> None:
+    """How wrong the halves are."""
+    if not section(sheet, "section/figures", "Errors of the halves" if state.split else "Errors of the picture"):
+        return
+    figures = tuple(facts.figures)[: len(state.halves)]
+    if not any(figures):
+        caption("Measured when nothing moves.")
+        return
+    if len(figures) > 1:
+        row("", "left", "right")
+    unit = "px" if state.unit == "px" else "mrad"
+    none = Statistics(None, None, None)
+    of = [none if each is None else each.pixels if unit == "px" else each.angular_mrad for each in figures]
+    row(f"median, {unit}", *(figure(each.median) for each in of))
+    row(f"95 %, {unit}", *(figure(each.p95) for each in of))
+    row(f"maximum, {unit}", *(figure(each.max) for each in of))
+    row("other object, %", *(figure(None if each is None else each.other_object_percent) for each in figures))
+    for name in _statuses(figures):
+        row(f"{name_text(name)}, %", *(_share(each, name) for each in figures))
+
+
+def save_section(sheet: Sheet, facts: Facts) -> None:
+    """What can be saved."""
+    if not section(sheet, "section/save", "Save", opened=False):
+        return
+    width = (field_width() - 6.0) / 2.0
+    imgui.begin_disabled(facts.progress is not None)
+    for number, (request, text, summary) in enumerate(SAVED):
+        if number % 2:
+            imgui.same_line(0.0, 6.0)
+        if button(sheet, request, text, summary, width):
+            sheet.requests.append(request)
+    imgui.end_disabled()
+
+
+def timing_section(sheet: Sheet, facts: Facts) -> None:
+    """How long the pictures take, and what draws them."""
+    if not section(sheet, "section/timing", "Timing", opened=False):
+        return
+    row("a picture", f"{facts.frame_ms:.1f} ms" if facts.frame_ms else NOT_MEASURED)
+    row("pictures a second", f"{1000.0 / facts.frame_ms:.0f}" if facts.frame_ms else NOT_MEASURED)
+    for phase, time in facts.phases_ms.items():
+        row(f"   {phase}", f"{time:.1f} ms")
+    row("drawn", size_text(facts.picture))
+    row("at rest", size_text(facts.full))
+    row("samples", f"{facts.samples_done} of {facts.samples_total}")
+    row("adapter", facts.adapter)
+
+
+def _newly_picked(state: State) -> bool:
+    """Whether another pixel is looked into than at the frame before."""
+    kept, known = imgui.get_state_storage(), imgui.get_id("picked")
+    x, y = state.picked or (-1.0, 0.0)
+    mixed = float(np.float32(x + 7.0 * y))
+    before = kept.get_float(known, -1.0)
+    kept.set_float(known, mixed)
+    return state.picked is not None and mixed != before
+
+
+def _inspection(seen: Inspection) -> None:
+    row("pixel", f"{seen.pixel[0]}, {seen.pixel[1]}")
+    row("method", seen.method)
+    row("sees", seen.seen)
+    row("in truth", seen.truth)
+    if seen.truth != seen.seen:
+        wrapped("Another object than the truth.", theme.WARNING)
+    row("point, m", NOT_MEASURED if seen.point is None else point_text(seen.point))
+    row("along the path", NOT_MEASURED if seen.distance is None else number_text(seen.distance, 3, "m"))
+    row("status", name_text(seen.status))
+    if seen.angular_mrad is None:
+        row("error", "not measured")
+    else:
+        row("error", f"{figure(seen.angular_mrad)} mrad, {figure(seen.pixels)} px")
+    if seen.silhouette:
+        wrapped("At a silhouette: its error counts apart.", theme.FAINT)
+    caption("True path, m")
+    for number, stop in enumerate(seen.path):
+        row(f"{'→ ' if number else ''}{stop.name}", point_text(stop.point))
+
+
+def _statuses(figures: Sequence[Figures | None]) -> list[str]:
+    return list(dict.fromkeys(name for each in figures if each for name in each.status_percent))
+
+
+def _share(figures: Figures | None, name: str) -> str:
+    return NOT_MEASURED if figures is None else f"{figures.status_percent.get(name, 0.0):.1f}"

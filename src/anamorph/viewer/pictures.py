@@ -1,0 +1,95 @@
+"""One method's pictures of one scene: at the sizes that moving and resting need, and their mean at rest."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import wgpu
+
+from anamorph.errors import AnamorphError
+from anamorph.frame import Frame, View
+from anamorph.methods import Session, parse
+from anamorph.scene.camera import Camera
+from anamorph.scene.model import Scene
+from anamorph.viewer.compose import Average
+
+Size = tuple[int, int]
+
+KEPT_SIZES = 3
+"""Sessions that stay open: for pictures that move, for layers that move, and for what rests."""
+
+
+class MethodPictures:
+    """Pictures of a scene by the method that a specification names.
+
+    Attributes
+    ----------
+    failure : str
+        Why there is no picture; empty where there is one. What failed is not tried again.
+    """
+
+    def __init__(self, scene: Scene, specification: str) -> None:
+        self._scene, self._specification = scene, specification
+        self._sessions: dict[Size, Session] = {}
+        self._last: Session | None = None
+        self._average: Average | None = None
+        self.failure = ""
+
+    @property
+    def texture(self) -> wgpu.GPUTexture | None:
+        """What there is to show: the mean of the pictures at rest, or the last one that was drawn."""
+        if self._average is not None and self._average.count:
+            return self._average.texture
+        return None if self._last is None else self._last.texture
+
+    @property
+    def phases(self) -> Mapping[str, float]:
+        """What the time of the last picture went to, milliseconds."""
+        return {} if self._last is None else getattr(self._last, "phases", dict)()
+
+    def draw(self, camera: Camera, size: Size) -> None:
+        """Draw one picture, and show it in place of all before."""
+        if self._average is not None:
+            self._average.restart()
+        self._last = self._draw(camera, size, (0.0, 0.0))
+
+    def refine(self, camera: Camera, size: Size, shift: tuple[float, float]) -> None:
+        """Draw a picture shifted by a fraction of a pixel, and show the mean of all such since the last `draw`."""
+        self._last = self._draw(camera, size, shift)
+        if self._last is None:
+            return
+        if self._average is None or self._average.texture.size[:2] != size:
+            self._average = Average(size)
+        self._average.add(self._last.texture)
+
+    def seen(self, camera: Camera, size: Size) -> Frame | None:
+        """What each pixel sees, of an unshifted picture; the picture that is shown stays."""
+        session = self._draw(camera, size, (0.0, 0.0))
+        return None if session is None else session.frame(seen=True)
+
+    def wait(self) -> None:
+        """Return when the device has drawn the last picture."""
+        if self._last is not None:
+            self._last.wait()
+
+    def _draw(self, camera: Camera, size: Size, shift: tuple[float, float]) -> Session | None:
+        if self.failure:
+            return None
+        try:
+            session = self._session(camera, size)
+            session.draw(camera, shift)
+        except AnamorphError as error:
+            self.failure = str(error)
+            return None
+        return session
+
+    def _session(self, camera: Camera, size: Size) -> Session:
+        session = self._sessions.pop(size, None)
+        if session is None:
+            while len(self._sessions) >= KEPT_SIZES:
+                self._sessions.pop(next(iter(self._sessions)))
+            method, options = parse(self._specification)
+            session = method.open(View(self._scene, camera, size), options)
+        # The one used last is the last to go.
+        self._sessions[size] = session
+        return session

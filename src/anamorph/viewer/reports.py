@@ -1,0 +1,28 @@
+"""What the viewer shows, as plain data that scripts and tests read."""
+
+from __future__ import annotations
+
+from dataclasses import asdict
+from typing import Any
+
+from anamorph.viewer.facts import Facts
+from anamorph.viewer.panel import Drawn
+from anamorph.viewer.state import State
+
+
+def report(facts: Facts, state: State, drawn: Drawn | None, frames: int, at_rest: bool) -> dict[str, Any]:
+    """All of it but the scene's arrays, ready for JSON."""
+    told = ("size", "picture", "full", "adapter", "frame_ms", "samples_done", "samples_total", "message")
+    return {
+        "scene": facts.scene.name,
+        "state": asdict(state) | {"drawings": sorted(state.drawings)},
+        "frames": frames,
+        "at_rest": at_rest,
+        "rectangles": dict(drawn.rectangles) if drawn else {},
+        "covered": list(drawn.covered) if drawn else [],
+        "phases_ms": dict(facts.phases_ms),
+        "figures": [each and asdict(each) for each in facts.figures],
+        "inspection": facts.inspection and asdict(facts.inspection),
+        "progress": facts.progress and asdict(facts.progress),
+        **{name: getattr(facts, name) for name in told},
+    }

@@ -1,0 +1,197 @@
+"""What a frame of the panel gathers while it is drawn, and the plain things it is drawn from.
+
+Widgets are told apart by stable keys, such as "first/method": imgui knows them by these, and so do tests and scripts,
+which look up their rectangles.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+from imgui_bundle import imgui
+
+from anamorph.viewer import theme
+from anamorph.viewer.facts import Rectangle, Request
+
+TIP_WIDTH = 260.0
+
+
+@dataclass(frozen=True)
+class Sheet:
+    """What one frame's widgets leave behind: see `panel.Drawn`."""
+
+    requests: list[Request] = field(default_factory=list)
+    rectangles: dict[str, Rectangle] = field(default_factory=dict)
+    covered: list[Rectangle] = field(default_factory=list)
+
+    def mark(self, key: str) -> None:
+        """Note the last item's rectangle."""
+        low, high = imgui.get_item_rect_min(), imgui.get_item_rect_max()
+        self.rectangles[key] = (low.x, low.y, high.x, high.y)
+
+    def window(self, key: str) -> None:
+        """Note the current window's rectangle."""
+        place, size = imgui.get_window_pos(), imgui.get_window_size()
+        self.rectangles[key] = (place.x, place.y, place.x + size.x, place.y + size.y)
+
+    def cover_window(self, key: str) -> None:
+        """Note that the current window owns what the pointer does over it."""
+        self.window(key)
+        self.covered.append(self.rectangles[key])
+
+    def cover_canvas(self) -> None:
+        """Note that all the canvas is imgui's: a press outside an open list only closes it."""
+        size = imgui.get_io().display_size
+        self.covered.append((0.0, 0.0, size.x, size.y))
+
+
+def available() -> float:
+    """The width that is left on this line."""
+    return imgui.get_content_region_avail().x
+
+
+def field_width() -> float:
+    """The width of a field on a line of its own."""
+    return available() - theme.GUTTER
+
+
+def text_width(text: str) -> float:
+    return imgui.calc_text_size(text).x
+
+
+def tip(text: str) -> None:
+    """Say more about the last item while the pointer rests on it."""
+    if text and imgui.is_item_hovered(imgui.HoveredFlags_.for_tooltip | imgui.HoveredFlags_.allow_when_disabled):
+        imgui.begin_tooltip()
+        imgui.push_text_wrap_pos(TIP_WIDTH)
+        imgui.text_unformatted(text)
+        imgui.pop_text_wrap_pos()
+        imgui.end_tooltip()
+
+
+def wrapped(text: str, color: theme.Color = theme.TEXT, room: float = 0.0) -> None:
+    """A text over as many lines as it needs, leaving `room` on its right."""
+    imgui.push_style_color(imgui.Col_.text, color)
+    imgui.push_text_wrap_pos(imgui.get_cursor_pos_x() + available() - room)
+    imgui.text_unformatted(text)
+    imgui.pop_text_wrap_pos()
+    imgui.pop_style_color()
+
+
+def to_column(x: float) -> None:
+    """Go on in this line at `x`, as `imgui.get_cursor_pos_x` counts."""
+    imgui.same_line()
+    imgui.set_cursor_pos_x(x)
+
+
+def caption(text: str) -> None:
+    """What the widget below sets."""
+    wrapped(text, theme.FAINT)
+
+
+def row(label: str, *values: str) -> None:
+    """A label, and its values at the right in columns of equal width; what does not fit goes on lines of its own."""
+    left, width = imgui.get_cursor_pos_x(), field_width()
+    column = (width * 0.58) / len(values)
+    if any(text_width(value) > column for value in values) or text_width(label) > width - column * len(values):
+        if len(values) == 1 and text_width(label) + text_width(values[0]) + 8.0 < width:
+            column = text_width(values[0])
+        else:
+            wrapped(label, theme.FAINT)
+            for value in values:
+                wrapped(value)
+            return
+    imgui.text_colored(theme.FAINT, label)
+    for number, value in enumerate(values, start=1):
+        to_column(left + width - column * (len(values) - number) - text_width(value))
+        imgui.text_unformatted(value)
+
+
+def button(sheet: Sheet, key: str, text: str, summary: str = "", width: float = 0.0) -> bool:
+    """A push button, of its text's width unless one is given."""
+    pressed = imgui.button(f"{text}##{key}", (width, 0.0))
+    sheet.mark(key)
+    tip(summary)
+    return pressed
+
+
+def sign(sheet: Sheet, key: str, drawn: str, summary: str) -> bool:
+    """A small square button with a drawn sign: "reset", "close", "hide" or "show"."""
+    side = imgui.get_frame_height()
+    pressed = imgui.invisible_button(f"##{key}", (side, side))
+    sheet.mark(key)
+    color = imgui.get_color_u32(theme.TEXT if imgui.is_item_hovered() else theme.FAINT)
+    low, lines = imgui.get_item_rect_min(), imgui.get_window_draw_list()
+    x, y, r = low.x + side / 2.0, low.y + side / 2.0, 4.0
+    if drawn == "reset":
+        lines.path_arc_to((x, y), r, -2.4, 2.4, 12)
+        lines.path_stroke(color, 1.5)
+        lines.add_triangle_filled((x - 6.5, y - 2.5), (x - 0.5, y - 1.0), (x - 5.0, y - 6.5), color)
+    elif drawn == "close":
+        lines.add_line((x - r, y - r), (x + r, y + r), color, 1.5)
+        lines.add_line((x - r, y + r), (x + r, y - r), color, 1.5)
+    else:
+        turn = 1.0 if drawn == "hide" else -1.0
+        for shift in (-2.5, 2.5):
+            tipped = x + shift - turn * 2.0
+            lines.add_line((tipped + turn * r, y - r), (tipped, y), color, 1.5)
+            lines.add_line((tipped, y), (tipped + turn * r, y + r), color, 1.5)
+    tip(summary)
+    return pressed
+
+
+def checkbox(sheet: Sheet, key: str, text: str, value: bool, summary: str = "") -> bool:
+    """A box to tick; its new value."""
+    _, value = imgui.checkbox(f"##{key}", value)
+    tip(summary)
+    low = imgui.get_item_rect_min()
+    imgui.same_line(0.0, 6.0)
+    imgui.begin_group()
+    imgui.align_text_to_frame_padding()
+    wrapped(text)
+    imgui.end_group()
+    # The words belong to the box: pressing them ticks it.
+    if imgui.is_item_clicked():
+        value = not value
+    tip(summary)
+    high = imgui.get_item_rect_max()
+    sheet.rectangles[key] = (low.x, low.y, high.x, high.y)
+    return value
+
+
+def choice(sheet: Sheet, key: str, chosen: str, words: Sequence[tuple[str, str]], summary: str = "") -> str:
+    """Buttons side by side, of which one is down: (value, text) each; the new value."""
+    gap = 1.0
+    width = (field_width() - gap * (len(words) - 1)) / len(words)
+    new = chosen
+    for number, (value, text) in enumerate(words):
+        if number:
+            imgui.same_line(0.0, gap)
+        imgui.push_style_color(imgui.Col_.button, theme.FILL if value == chosen else theme.FIELD)
+        imgui.push_style_color(imgui.Col_.text, theme.TEXT if value == chosen else theme.FAINT)
+        if button(sheet, f"{key}/{value}", text, summary, width):
+            new = value
+        imgui.pop_style_color(2)
+    return new
+
+
+def fold(sheet: Sheet, key: str, title: str, opened: bool) -> bool:
+    """A smaller heading that folds what follows; whether that is to be drawn."""
+    flags = imgui.TreeNodeFlags_.no_tree_push_on_open | imgui.TreeNodeFlags_.span_avail_width
+    flags |= imgui.TreeNodeFlags_.default_open if opened else imgui.TreeNodeFlags_.none
+    shown = imgui.tree_node_ex(f"{title}##{key}", flags)
+    sheet.mark(key)
+    return shown
+
+
+def section(sheet: Sheet, key: str, title: str, opened: bool = True) -> bool:
+    """A heading that folds what follows; whether it is to be drawn."""
+    imgui.dummy((0.0, 1.0))
+    imgui.separator()
+    flags = imgui.TreeNodeFlags_.default_open if opened else imgui.TreeNodeFlags_.none
+    imgui.push_font(theme.bold(), 0.0)
+    shown = imgui.collapsing_header(f"{title}##{key}", flags)
+    imgui.pop_font()
+    sheet.mark(key)
+    return shown

@@ -1,0 +1,218 @@
+"""What stands on the canvas: the halves' pictures and layers, coarse while things move, refined at rest."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from functools import lru_cache
+from itertools import product
+from time import perf_counter
+
+import numpy as np
+
+from anamorph.frame import Frame
+from anamorph.scene.camera import Camera
+from anamorph.scene.model import Scene
+from anamorph.viewer.compose import LayerTexture, Shown
+from anamorph.viewer.fluency import Fluency, scaled
+from anamorph.viewer.measured import Measured, error_layer, measure_half, status_layer
+from anamorph.viewer.pictures import MethodPictures, Size
+from anamorph.viewer.state import Half, Layer, State, shown_camera
+
+TRUTH = "raytrace"
+"""The method that errors are measured against."""
+
+
+@dataclass(frozen=True)
+class _Pictured:
+    """What the pictures depend on: when it changes, something moves."""
+
+    camera: Camera
+    methods: tuple[str, ...]
+    size: Size
+    resolution: float
+
+
+@dataclass(frozen=True)
+class _Detailed:
+    """What else the canvas depends on: when it changes, the pictures stay."""
+
+    halves: tuple[Half, ...]
+    unit: str
+    picked: bool
+    samples: int
+
+
+class Showing:
+    """The canvas's content, for one scene after the other.
+
+    Attributes
+    ----------
+    frames : mapping of str to Frame
+        By method, what each pixel sees; at full size where `at_rest`.
+    measured : mapping of str to Measured
+        By method.
+    at_rest : bool
+        Whether the pictures are at full size.
+    picture : (width, height)
+        Of the pictures that were drawn last.
+    frame_ms : float
+        What the last frame that moved took; 0 for the first of several.
+    samples_done : int
+    finished : bool
+        Whether nothing is left to refine.
+    """
+
+    def __init__(self) -> None:
+        self._scene: Scene | None = None
+        self._pictures: dict[str, MethodPictures] = {}
+        self._pictured: _Pictured | None = None
+        self._detailed: _Detailed | None = None
+        self._steps: Iterator[None] = iter(())
+        self._of_pictures, self._of_layers = Fluency(), Fluency()
+        self._layers = LayerTexture(), LayerTexture()
+        self._layered = [False, False]
+        self._moving = False
+        self.frames: dict[str, Frame] = {}
+        self.measured: dict[str, Measured] = {}
+        self.at_rest = False
+        self.picture: Size = (0, 0)
+        self.frame_ms = 0.0
+        self.samples_done = 0
+        self.finished = False
+
+    def update(self, scene: Scene, state: State, size: Size) -> bool:
+        """Draw at once what has moved, or begin anew with the rest; tells whether anything has."""
+        pictured = _Pictured(shown_camera(state), tuple(half.method for half in state.halves), size, state.resolution)
+        detailed = _Detailed(state.halves, state.unit, state.picked is not None, state.samples)
+        moved = scene is not self._scene or pictured != self._pictured
+        if not moved and detailed == self._detailed:
+            return False
+        if scene is not self._scene:
+            self._scene, self._pictures = scene, {}
+        self._pictured, self._detailed, self.finished = pictured, detailed, False
+        if moved:
+            self._move()
+        for number, half in enumerate((state.first, state.second)):
+            self._layered[number] &= half.layer != Layer.PICTURE
+        self._steps = self._resting()
+        return True
+
+    def rest(self) -> bool:
+        """Take one step of refinement; tells whether there was one."""
+        self.finished = next(self._steps, self) is self
+        self._moving = False
+        return not self.finished
+
+    @property
+    def halves(self) -> tuple[Shown, ...]:
+        """What there is to show: nothing of a half whose method fails."""
+        return tuple(
+            Shown(self._of(method).texture, self._layers[number].texture if self._layered[number] else None)
+            for number, method in enumerate(self._pictured.methods if self._pictured else ())
+        )
+
+    @property
+    def failures(self) -> tuple[str, ...]:
+        """Why methods draw nothing."""
+        methods = self._pictured.methods if self._pictured else ()
+        return tuple(dict.fromkeys(filter(None, (self._of(method).failure for method in methods))))
+
+    @property
+    def phases(self) -> Mapping[str, float]:
+        """What the time of the first half's last picture went to, milliseconds."""
+        return self._of(self._pictured.methods[0]).phases if self._pictured else {}
+
+    def _of(self, method: str) -> MethodPictures:
+        if method not in self._pictures:
+            assert self._scene is not None
+            used = {TRUTH, *(self._pictured.methods if self._pictured else ())}
+            self._pictures = {name: each for name, each in self._pictures.items() if name in used}
+            self._pictures[method] = MethodPictures(self._scene, method)
+        return self._pictures[method]
+
+    def _move(self) -> None:
+        assert self._pictured is not None and self._detailed is not None
+        self.frames, self.measured, self.samples_done, self.at_rest = {}, {}, 0, False
+        began = perf_counter()
+        self.picture = scaled(self._pictured.size, self._pictured.resolution or self._of_pictures.scale)
+        methods = dict.fromkeys(self._pictured.methods)
+        for method in methods:
+            self._of(method).draw(self._pictured.camera, self.picture)
+        for method in methods:
+            self._of(method).wait()
+        spent = 1e3 * (perf_counter() - began)
+        self._of_pictures = self._of_pictures.after(spent)
+        if any(half.layer != Layer.PICTURE for half in self._detailed.halves):
+            began = perf_counter()
+            for _ in self._layering(scaled(self._pictured.size, self._of_layers.scale)):
+                pass
+            layered = 1e3 * (perf_counter() - began)
+            self._of_layers = self._of_layers.after(layered)
+            self.frames, self.measured = {}, {}
+            spent += layered
+        # The first of several has opened what the others find open.
+        self.frame_ms = spent if self._moving else 0.0
+        self._moving = True
+
+    def _resting(self) -> Iterator[None]:
+        """Everything at full size, in steps none of which takes longer than a frame by the truth."""
+        assert self._pictured is not None and self._detailed is not None
+        camera, size = self._pictured.camera, self._pictured.size
+        methods = dict.fromkeys(self._pictured.methods)
+        if self.picture != size:
+            for method in methods:
+                self._of(method).draw(camera, size)
+                yield
+            self.picture = size
+        self.at_rest = True
+        yield from self._layering(size)
+        self.samples_done = 0
+        for shift in shifts(self._detailed.samples):
+            for method in methods:
+                self._of(method).refine(camera, size, shift)
+            self.samples_done += 1
+            yield
+
+    def _layering(self, size: Size) -> Iterator[None]:
+        """What each pixel sees, where layers or the picked pixel need it, and the layers."""
+        assert self._pictured is not None and self._detailed is not None
+        halves, picked = self._detailed.halves, self._detailed.picked
+        seen = [half.method for half in halves if half.layer != Layer.PICTURE or picked]
+        compared = [half.method for half in halves if half.layer == Layer.ERROR or picked]
+        for method in dict.fromkeys([*seen, *([TRUTH] if compared else [])]):
+            if method not in self.frames:
+                frame = self._of(method).seen(self._pictured.camera, size)
+                if frame is not None:
+                    self.frames[method] = frame
+                yield
+        for method in dict.fromkeys(compared):
+            if method not in self.measured and {method, TRUTH} <= self.frames.keys():
+                self.measured[method] = measure_half(self.frames[TRUTH], self.frames[method])
+                yield
+        for number, half in enumerate(halves):
+            colors = None
+            if half.layer == Layer.ERROR and half.method in self.measured:
+                colors = error_layer(self.measured[half.method], self._detailed.unit)
+            elif half.layer == Layer.STATUS and half.method in self.frames:
+                colors = status_layer(self.frames[half.method])
+            self._layered[number] = colors is not None
+            if colors is not None:
+                self._layers[number].write(colors)
+                yield
+
+
+@lru_cache
+def shifts(samples: int) -> tuple[tuple[float, float], ...]:
+    """The shifts of samples x samples pictures, in an order of which every beginning is spread over the pixel."""
+    steps = (np.arange(samples) + 0.5) / samples - 0.5
+    grid = [(float(x), float(y)) for y, x in product(steps, steps)] if samples > 1 else []
+    chosen: list[tuple[float, float]] = []
+    while grid:
+        # Next to the mean so far, one that brings it nearest to the pixel's centre, and far from those taken.
+        taken = np.array(chosen or [(2.0, 2.0)])
+        far = [float(np.min(np.sum((taken - place) ** 2, axis=1))) for place in grid]
+        mean = [float(np.sum((np.sum(taken, axis=0) + place) ** 2)) if chosen else 0.0 for place in grid]
+        best = min(range(len(grid)), key=lambda number: (round(mean[number], 9), -round(far[number], 9)))
+        chosen.append(grid.pop(best))
+    return tuple(chosen)

@@ -1,0 +1,304 @@
+"""What is drawn into space over the picture: wires, hits, virtual viewpoints, view volumes, the eye, a pixel's path.
+
+They are those of per-vertex reflection, planned for the eye that looks. Source: Kakimoto et al. 2007, Figures 1, 3
+and 4.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from anamorph.errors import AnamorphError
+from anamorph.methods import parse, pervertex
+from anamorph.methods.bodies import Body, bodies_of, see
+from anamorph.methods.division import seen_faces
+from anamorph.methods.pictures import PictureOptions, Seen, plan_patches
+from anamorph.methods.warp import MapPlan, PlanOptions
+from anamorph.methods.world import World, world_of
+from anamorph.projection import Projection
+from anamorph.raymesh import RayStatus
+from anamorph.scene.camera import Camera
+from anamorph.scene.geometry import Geometry, flatten
+from anamorph.scene.model import Scene
+from anamorph.viewer.facts import Inspection
+from anamorph.viewer.marks import NO_MARKS, Marks, between, dot_marks, joined, line_marks
+from anamorph.viewer.state import Drawing, State
+from anamorph.viewer.wires import Wires, wires_of
+
+MOST_HITS, MOST_RAYS = 400, 100
+"""Of one body that are drawn: more cannot be told apart."""
+
+LONG_WIRE = 16.0
+"""Pixels: shorter edges are fainter, so that a fine mesh does not hide the picture."""
+
+FARTHEST = 10.0
+"""How far away a virtual viewpoint is shown, in diagonals of the scene: beyond, rays are parallel to the eye."""
+
+PAST = 1.1
+"""How far lines are drawn past the viewpoint, and a view volume past the farthest hit, for 1 up to there."""
+
+EYE_DEPTH = 0.3
+"""Of the eye's picture, for 1 at the nearest mirror or lens."""
+
+WIRE = (0.85, 0.9, 0.95, 0.8)
+LEAST_ALPHA, HIDDEN_ALPHA = 0.15, 0.3
+"""Of wires, relative to the front's long ones: the shortest, and those seen from behind."""
+
+WITHIN_ALPHA = 0.5
+"""Of rays as their own eye sees them: they run through its picture."""
+
+HIT, RAY, SKY_RAY = (0.9, 0.03, 0.02, 1.0), (1.0, 0.3, 0.15, 0.75), (0.3, 0.55, 1.0, 0.4)
+EYE, EYE_RAY = (1.0, 1.0, 1.0, 1.0), (0.1, 0.25, 1.0, 0.6)
+VIEWPOINT, LINE = (0.9, 0.02, 0.02, 1.0), (1.0, 0.75, 0.05, 0.6)
+VOLUME, APEX = (0.05, 0.8, 0.35, 0.9), (0.05, 0.8, 0.35, 0.35)
+STAGES = ((0.05, 0.35, 1.0, 1.0), (1.0, 0.55, 0.0, 1.0), (0.9, 0.05, 0.35, 1.0))
+"""Of a path: from the eye, between surfaces, and to its end."""
+
+
+@dataclass(frozen=True, eq=False)
+class Space:
+    """A scene, and what is prepared of it once for all frames, when it is first needed."""
+
+    scene: Scene
+
+    @cached_property
+    def geometry(self) -> Geometry:
+        """All meshes as one."""
+        return flatten(self.scene)
+
+    @cached_property
+    def world(self) -> World:
+        """What rays may hit."""
+        return world_of(self.geometry)
+
+    @cached_property
+    def bodies(self) -> tuple[Body, ...]:
+        """Mirrors and lenses; none where the scene has glass that no ray mesh is made of."""
+        try:
+            return bodies_of(self.scene, self.geometry, self.world)
+        except AnamorphError:
+            return ()
+
+    @cached_property
+    def wires(self) -> Wires:
+        """The edges of mirrors and lenses."""
+        return wires_of(self.scene)
+
+
+def space_marks(
+    space: Space, state: State, looking: Camera, size: tuple[int, int], inspection: Inspection | None = None
+) -> Marks:
+    """All that `state` asks to be drawn into space.
+
+    It changes only with what is given here: while all of that stays, so do the marks.
+
+    Parameters
+    ----------
+    space : Space
+    state : State
+    looking : Camera
+        The eye whose rays are shown, as `looking_eye` says.
+    size : (width, height)
+        Of its picture, in pixels.
+    inspection : Inspection, optional
+        Of the pixel whose path is shown.
+    """
+    shown = state.observer or looking
+    seen: list[Seen] = []
+    if state.drawings & {Drawing.HITS, Drawing.VIEWPOINT, Drawing.VOLUME}:
+        seen = seen_bodies(space, looking, size, _picture_options(state))
+    parts = []
+    if Drawing.VOLUME in state.drawings:
+        parts += [volume_marks(each, space.world.diagonal) for each in seen]
+    if Drawing.VIEWPOINT in state.drawings:
+        parts += [viewpoint_marks(each, space.world.diagonal) for each in seen]
+    if Drawing.WIREFRAME in state.drawings:
+        parts.append(wire_marks(space.wires, shown, size))
+    if Drawing.HITS in state.drawings:
+        eye = looking if state.observer else None
+        parts += [hit_marks(each, space.world.diagonal, eye) for each in seen]
+    if state.observer is not None:
+        parts.append(eye_marks(looking, size, _eye_depth(space, looking)))
+    if inspection is not None:
+        parts.append(path_marks(inspection))
+    return joined(parts)
+
+
+def seen_bodies(space: Space, camera: Camera, size: tuple[int, int], options: PictureOptions) -> list[Seen]:
+    """The mirrors and lenses that `camera` sees, with the maps that show them: steps 1 to 3 of the paper."""
+    eye, position, found = camera.eye(size), np.asarray(camera.position, float), []
+    for body in space.bodies:
+        sight = see(body, eye)
+        hider = space.world.hiders(position, sight.side.optics.positions)
+        planned = plan_patches(sight, seen_faces(sight.rays, size), hider, space.world, options)
+        shown = [(faces, plan) for faces, plan in planned if plan is not None]
+        hits, distances = np.zeros((len(hider), 3)), np.full(len(hider), np.inf)
+        for _, plan in shown:
+            hits[plan.vertices], distances[plan.vertices] = plan.hits, plan.distances
+        if shown:
+            plans, patches = tuple(plan for _, plan in shown), tuple(faces for faces, _ in shown)
+            found.append(Seen(body, sight, hits, distances, plans, patches))
+    return found
+
+
+def wire_marks(wires: Wires, shown: Camera, size: tuple[int, int]) -> Marks:
+    """The edges of mirrors and lenses, fainter where they are short or seen from behind in a picture of `size`."""
+    eye = np.asarray(shown.position, np.float32)
+    distance = np.linalg.norm(wires.ends[:, 0] - eye, axis=1)
+    pixel = 2.0 * np.tan(np.radians(shown.field_of_view) / 2.0) / size[1]
+    long = wires.lengths >= LONG_WIRE * pixel * distance
+    alpha = np.ones(len(long))
+    alpha[~long] = np.maximum(wires.lengths[~long] / (LONG_WIRE * pixel * distance[~long]), LEAST_ALPHA)
+    alpha[~wires.facing(eye)] *= HIDDEN_ALPHA
+    return line_marks(wires.ends, np.column_stack([np.tile(WIRE[:3], (len(alpha), 1)), WIRE[3] * alpha]), 1.2)
+
+
+def hit_marks(seen: Seen, diagonal: float, eye: Camera | None = None) -> Marks:
+    """A ball where each vertex ray hits, and the way there: Figure 1; from the `eye` on, if another one looks."""
+    rays, vertices, drawn = seen.sight.rays, seen.sight.side.optics.positions, _drawn_rays(seen)
+    sky = ~np.isfinite(seen.distances)
+    reach = seen.distances[~sky].max(initial=0.0) or diagonal
+    ends = np.where(sky[:, None], rays.origins + reach * rays.unit_directions(), seen.hits)[drawn]
+    color = np.where(sky[drawn, None], SKY_RAY, RAY)
+    if eye is None:
+        color[:, 3] *= WITHIN_ALPHA
+    parts = [line_marks(between(rays.origins[drawn], ends), color)]
+    if seen.sight.bends:
+        parts.append(line_marks(between(vertices[drawn], rays.origins[drawn]), color))
+    if eye is not None:
+        parts.append(line_marks(between(eye.position, vertices[drawn]), EYE_RAY))
+    balls = _drawn(seen)
+    return joined([*parts, dot_marks(seen.hits[balls[~sky[balls]]], HIT, radius=3.0)])
+
+
+def viewpoint_marks(seen: Seen, diagonal: float) -> Marks:
+    """Each map's virtual viewpoint, and the rays drawn on through where they pass it: Figure 3."""
+    rays, directions, drawn, parts = seen.sight.rays, seen.sight.rays.unit_directions(), _drawn_rays(seen), []
+    for plan in seen.plans:
+        vertices = np.intersect1d(plan.vertices, drawn)
+        origins, ways = rays.origins[vertices], directions[vertices]
+        point = viewpoint_of(plan, diagonal)
+        lengths = np.full(len(vertices), -diagonal)
+        if point is not None:
+            lengths = PAST * np.einsum("ni,ni->n", point - origins, ways)
+        parts.append(line_marks(between(origins, origins + lengths[:, None] * ways), LINE))
+        if point is not None:
+            parts.append(dot_marks(point, VIEWPOINT, radius=6.0))
+    return joined(parts)
+
+
+def viewpoint_of(plan: MapPlan, diagonal: float) -> np.ndarray | None:
+    """A map's virtual viewpoint, (3,); None where it is at infinity, or so far away that it might as well be."""
+    ahead, weight, middle = plan.viewpoint[:3], plan.viewpoint[3], plan.projections[0].eye
+    if np.linalg.norm(ahead - weight * middle) >= FARTHEST * diagonal * abs(weight):
+        return None
+    return ahead / weight
+
+
+def volume_marks(seen: Seen, diagonal: float) -> Marks:
+    """The view volumes of a body's maps, with lines from the viewpoint to where each begins: Figure 4."""
+    parts = []
+    for plan in seen.plans:
+        point = viewpoint_of(plan, diagonal)
+        for projection in plan.projections:
+            near, far = frustum(projection, plan, diagonal)
+            ring = np.roll(np.arange(4), -1)
+            sides = np.concatenate([between(near, near[ring]), between(far, far[ring]), between(near, far)])
+            if point is not None:
+                parts.append(line_marks(between(point, near), APEX))
+            parts.append(line_marks(sides, VOLUME, width=1.6))
+    return joined(parts)
+
+
+def frustum(projection: Projection, plan: MapPlan, diagonal: float) -> tuple[np.ndarray, np.ndarray]:
+    """The corners, (4, 3) each, of a view volume's beginning and of its end, cut off behind the farthest hit.
+
+    Parameters
+    ----------
+    projection : Projection
+        One of the plan's.
+    plan : MapPlan
+    diagonal : float
+        How far it goes at the least where nothing is hit, metres.
+    """
+    corners = np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]])
+    back = np.linalg.inv(projection.clip)
+    begins = np.column_stack([corners, np.ones((4, 2))]) @ back.T
+    ends = np.column_stack([corners, np.zeros(4), np.ones(4)]) @ back.T
+    near = begins[:, :3] / begins[:, 3:]
+    ways = projection.base + corners @ np.stack([projection.right, projection.up])
+    # Of a parallel projection w is the same everywhere.
+    forward = projection.clip[3, :3]
+    forward = forward if np.linalg.norm(forward) > 1e-9 * np.linalg.norm(projection.clip[0, :3]) else projection.base
+    forward = forward * np.sign(forward @ projection.base) / np.linalg.norm(forward)
+    heights = near @ forward
+    met = np.isfinite(plan.distances)
+    reach = PAST * (plan.hits[met] @ forward - heights.min()).max(initial=0.0) if met.any() else diagonal
+    level = heights.min() + max(reach, PAST * np.ptp(heights), 1e-3 * diagonal)
+    # The far end of the depth range is at infinity, or before the crossing of lines that converge.
+    finite = ends[:, 3] > 1e-9 * np.linalg.norm(ends[:, :3], axis=1)
+    last = ends[finite, :3] / ends[finite, 3:] @ forward
+    level = min(level, last[last > heights.max()].min(initial=np.inf))
+    far = near + ((level - heights) / (ways @ forward))[:, None] * ways
+    return near, far
+
+
+def eye_marks(camera: Camera, size: tuple[int, int], depth: float) -> Marks:
+    """The eye, and its picture at `depth` metres before it."""
+    width, height = size
+    corners = np.array([[0, 0], [width, 0], [width, height], [0, height]], float)
+    ways = camera.directions(corners, size)
+    eye = np.asarray(camera.position, float)
+    picture = eye + depth * ways / (ways @ camera.axes()[2])[:, None]
+    edges = np.concatenate([between(eye, picture), between(picture, np.roll(picture, -1, axis=0))])
+    return joined([line_marks(edges, EYE, 1.4), dot_marks(eye, EYE, 5.0)])
+
+
+def path_marks(inspection: Inspection) -> Marks:
+    """A pixel's true path, its stops as dots, in the colours of its stages."""
+    points = np.array([stop.point for stop in inspection.path], float).reshape(-1, 3)
+    legs = len(points) - 1
+    if legs < 1:
+        return NO_MARKS
+    colors = np.array([STAGES[0], *[STAGES[1]] * (legs - 1), STAGES[2]])
+    # What is seen directly has but one leg.
+    return joined(
+        [
+            line_marks(between(points[:-1], points[1:]), colors[:legs], width=2.5),
+            dot_marks(points, colors[: legs + 1], radius=4.5),
+        ]
+    )
+
+
+def _drawn(seen: Seen) -> np.ndarray:
+    """The vertices whose hits are drawn, (N,): of those that have a map and face the eye."""
+    vertices = np.unique(np.concatenate([plan.vertices for plan in seen.plans]))
+    return _thinned(vertices[seen.sight.rays.status[vertices] == RayStatus.OK], MOST_HITS)
+
+
+def _drawn_rays(seen: Seen) -> np.ndarray:
+    """The vertices whose rays are drawn, (N,): of those whose hits are."""
+    return _thinned(_drawn(seen), MOST_RAYS)
+
+
+def _thinned(values: np.ndarray, most: int) -> np.ndarray:
+    return values[:: max(1, -(-len(values) // most))]
+
+
+def _eye_depth(space: Space, camera: Camera) -> float:
+    """How far before the eye its picture is drawn, metres."""
+    specular = [mesh.positions.mean(axis=0) for mesh in space.scene.meshes if mesh.specular and len(mesh.positions)]
+    away = np.linalg.norm(np.array(specular or [camera.target], float) - camera.position, axis=1)
+    return EYE_DEPTH * float(away.min())
+
+
+def _picture_options(state: State) -> PictureOptions:
+    """Of the maps that the picture shows, or would by per-vertex reflection."""
+    chosen: Sequence[object] = [parse(half.method)[1] for half in state.halves]
+    options = next((each for each in chosen if isinstance(each, pervertex.Options)), pervertex.Options())
+    plan = PlanOptions(options.projective, options.align, strict=options.tolerance > 0.0)
+    return PictureOptions(plan, options.field, options.wide, options.resolution)

@@ -1,0 +1,64 @@
+"""What a viewer starts with: a scene and a state, or the reason why there is none."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+from anamorph.errors import AnamorphError
+from anamorph.methods import METHODS, parse
+from anamorph.scene.camera import Camera
+from anamorph.scene.checks import check_scene
+from anamorph.scene.model import Scene
+from anamorph.scene.scenefile import Settings
+from anamorph.scene.viewfile import Opened, Source, open_view
+from anamorph.viewer.state import State
+from anamorph.viewer.views import state_of
+
+NOTHING = Scene("nothing opened", (), Camera((0.0, 0.0, 1.0), (0.0, 0.0, 0.0)))
+"""What is shown of a scene that could not be opened."""
+
+
+@dataclass(frozen=True, eq=False)
+class Start:
+    """Where a viewer starts.
+
+    Parameters
+    ----------
+    opened : Opened
+        Its scene has no meshes where it could not be opened.
+    state : State
+        What the viewer starts with, and what its resets return to.
+    message : str
+        Why it could not be opened; empty where it could.
+    """
+
+    opened: Opened
+    state: State
+    message: str = ""
+
+
+def start(source: Source | Scene | str | Path, method: str | None = None) -> Start:
+    """Open whatever names a scene, or a scene itself, seen first by `method`; a failure is told in the message."""
+    try:
+        opened = _open(source)
+        if method is not None:
+            opened = replace(opened, settings=replace(opened.settings, method=method))
+        state = state_of(opened)
+        drawn, _ = parse(state.first.method)
+        if opened.scene.refracts and not drawn.refracts:
+            able = ", ".join(name for name, each in METHODS.items() if each.refracts)
+            raise AnamorphError(f"method {drawn.name}: draws mirrors alone, and the scene has glass; give {able}")
+        return Start(opened, state)
+    except (AnamorphError, OSError) as error:
+        nothing = Opened(NOTHING, Settings(), NOTHING.camera)
+        return Start(nothing, state_of(nothing), str(error))
+
+
+def _open(source: Source | Scene | str | Path) -> Opened:
+    if isinstance(source, Scene):
+        scene = check_scene(source)
+        return Opened(scene, Settings(), scene.camera)
+    if isinstance(source, Source):
+        return open_view(source.name, source.choice, source.mirror_of)
+    return open_view(source)

@@ -1,0 +1,94 @@
+"""What draws on the viewer's canvas: the halves, what is in space over them, and imgui over all."""
+
+from __future__ import annotations
+
+import numpy as np
+import wgpu
+from rendercanvas.base import BaseRenderCanvas
+from wgpu.utils.imgui import ImguiRenderer
+
+from anamorph.gpu.device import get_device
+from anamorph.gpu.targets import PIXEL_FORMAT, make_texture, read_texture
+from anamorph.viewer.compose import Composer, Shown
+from anamorph.viewer.lines import LineRenderer
+from anamorph.viewer.marks import Marks
+from anamorph.viewer.theme import set_theme
+
+Area = tuple[int, int, int, int]
+"""Left, top, width and height, in pixels."""
+
+
+class Painter:
+    """Draws halves, and marks over them, into textures of one `form`, which has no sRGB: the shaders encode colours."""
+
+    def __init__(self, form: str) -> None:
+        self._composer = Composer(form)
+        self.lines = LineRenderer(form)
+
+    def draw(
+        self,
+        target: wgpu.GPUTexture,
+        area: Area,
+        halves: tuple[Shown, ...],
+        divider: float,
+        clip: np.ndarray,
+        ratio: float,
+    ) -> None:
+        """Draw the picture into an area of `target`, all else black.
+
+        Parameters
+        ----------
+        target : texture
+        area : Area
+        halves, divider
+            As for `Composer.draw`.
+        clip : (4, 4) float64
+            From world space to the clip space of the picture.
+        ratio : float
+            Pixels for each logical one.
+        """
+        encoder = get_device().create_command_encoder()
+        attachment = {
+            "view": target.create_view(),
+            "clear_value": (0.0, 0.0, 0.0, 1.0),
+            "load_op": "clear",
+            "store_op": "store",
+        }
+        render_pass = encoder.begin_render_pass(color_attachments=[attachment])
+        self._composer.draw(render_pass, halves, area, divider)
+        if min(area[2:]) > 0:
+            self.lines.draw(render_pass, clip, area[2:], ratio)
+        render_pass.end()
+        get_device().queue.submit([encoder.finish()])
+
+
+class Surface:
+    """A canvas, on one device."""
+
+    def __init__(self, canvas: BaseRenderCanvas) -> None:
+        self._context = canvas.get_wgpu_context()
+        form = self._context.get_preferred_format(get_device().adapter).removesuffix("-srgb")
+        self._context.configure(device=get_device(), format=form)
+        self.imgui = ImguiRenderer(get_device(), canvas)
+        set_theme()
+        self._painter = Painter(form)
+        self._marks: Marks | None = None
+
+    def mark(self, marks: Marks) -> None:
+        """Replace what is drawn into space."""
+        self._marks = marks
+        self._painter.lines.upload(marks)
+
+    def draw(self, area: Area, halves: tuple[Shown, ...], divider: float, clip: np.ndarray, ratio: float) -> None:
+        """Draw all but imgui: see `Painter.draw`."""
+        self._painter.draw(self._context.get_current_texture(), area, halves, divider, clip, ratio)
+
+    def picture(
+        self, size: tuple[int, int], halves: tuple[Shown, ...], divider: float, clip: np.ndarray, ratio: float
+    ) -> np.ndarray:
+        """The picture alone, as it is shown: (H, W, 3) uint8 sRGB."""
+        painter, target = Painter(PIXEL_FORMAT), make_texture(size, PIXEL_FORMAT)
+        if self._marks is not None:
+            painter.lines.upload(self._marks)
+        painter.draw(target, (0, 0, *size), halves, divider, clip, ratio)
+        return read_texture(target)[..., :3]

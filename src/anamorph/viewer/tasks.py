@@ -1,0 +1,83 @@
+"""What a request begins: work in steps, between which the viewer goes on drawing."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+
+from anamorph.scene.model import Scene
+from anamorph.scene.viewfile import Opened
+from anamorph.viewer.facts import Progress, Request
+from anamorph.viewer.saving import Saving, comparison_page, free_name, save_picture, save_scene
+from anamorph.viewer.showing import Showing
+from anamorph.viewer.state import State, looking_eye, shown_camera
+from anamorph.viewer.turntable import orbit, turntable
+
+SWING = 20.0
+"""Degrees to either side that the eye goes in a turntable; an observer goes all the way round."""
+
+MOST_SAMPLES = 2
+"""A side, of a turntable's frames: it has many."""
+
+
+@dataclass(frozen=True, eq=False)
+class Shot:
+    """What is on the canvas when something is asked for.
+
+    Parameters
+    ----------
+    opened : Opened
+    scene : Scene
+        With what its controls are set to.
+    state : State
+    size : (width, height)
+        Of the picture, pixels.
+    showing : Showing
+    pixels : callable
+        Gives the picture as it is shown, (H, W, 3) uint8 sRGB.
+    """
+
+    opened: Opened
+    scene: Scene
+    state: State
+    size: tuple[int, int]
+    showing: Showing
+    pixels: Callable[[], np.ndarray]
+
+
+def saving_of(request: Request, shot: Shot, directory: Path) -> Saving:
+    """The work that a request asks for, in a directory, under a name that is free there."""
+
+    def name(suffix: str) -> Path:
+        return free_name(directory, shot.opened.scene.name, suffix)
+
+    state, size = shot.state, shot.size
+    match request:
+        case Request.SAVE_SCENE:
+            return _at_once(lambda: save_scene(name(".toml"), shot.opened, state, size))
+        case Request.SAVE_COMPARISON:
+            methods = tuple(dict.fromkeys(half.method for half in (state.first, state.second)))
+            scene = replace(shot.scene, camera=looking_eye(state))
+            return comparison_page(name(".html"), scene, methods, size, "anamorph view")
+        case Request.SAVE_TURNTABLE | Request.SAVE_TURNTABLE_SERIES:
+            cameras = orbit(shown_camera(state), swing=None if state.observer else SWING)
+            path = name(".webm" if request is Request.SAVE_TURNTABLE else "")
+            samples = min(state.samples, MOST_SAMPLES)
+            return turntable(path, shot.scene, state.first.method, cameras, size, samples)
+    return _once_refined(shot, lambda: save_picture(name(".png"), shot.pixels()))
+
+
+def _at_once(save: Callable[[], str]) -> Saving:
+    """Work of a single step."""
+    yield Progress("saving", 0, 1)
+    return save()
+
+
+def _once_refined(shot: Shot, save: Callable[[], str]) -> Saving:
+    """Work of a single step, when the picture is as good as it gets."""
+    while not shot.showing.finished:
+        yield Progress("refining the picture", shot.showing.samples_done, max(shot.state.samples**2, 1))
+    return save()

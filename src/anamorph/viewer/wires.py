@@ -1,0 +1,68 @@
+"""The edges of mirrors and lenses, each once."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from anamorph.methods.bodies import connected_mirrors, welded
+from anamorph.scene.model import Glass, Scene
+
+
+@dataclass(frozen=True, eq=False)
+class Wires:
+    """Edges of a scene's specular meshes.
+
+    Parameters
+    ----------
+    ends : (N, 2, 3) float32
+        World points.
+    planes : (N, 2, 4) float64
+        (n, c) of the planes of the two triangles at each edge, with n.p + c > 0 before them; of a border's edge
+        twice the same.
+    lengths : (N,) float32
+        Metres.
+    """
+
+    ends: np.ndarray
+    planes: np.ndarray
+    lengths: np.ndarray
+
+    def facing(self, eye: np.ndarray) -> np.ndarray:
+        """Which edges, (N,) bool, some triangle shows its front to `eye` (3,)."""
+        return (self.planes @ np.append(eye, 1.0) > 0.0).any(axis=1)
+
+
+def wires_of(scene: Scene) -> Wires:
+    """The edges of all mirrors and lenses; where meshes of one mirror meet, their common edges are one."""
+    glass = [(number,) for number, mesh in enumerate(scene.meshes) if isinstance(mesh.material, Glass)]
+    parts = [_edges(scene, group) for group in (*connected_mirrors(scene), *glass)]
+    ends = np.concatenate([np.zeros((0, 2, 3), np.float32), *(each for each, _ in parts)])
+    planes = np.concatenate([np.zeros((0, 2, 4)), *(each for _, each in parts)])
+    return Wires(ends, planes, np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1))
+
+
+def _edges(scene: Scene, group: tuple[int, ...]) -> tuple[np.ndarray, np.ndarray]:
+    """The ends of a body's edges, and the planes beside them."""
+    meshes = [scene.meshes[number] for number in group]
+    starts = np.cumsum([0, *(len(mesh.positions) for mesh in meshes)])
+    positions = np.concatenate([np.asarray(mesh.positions, float) for mesh in meshes])
+    faces = np.concatenate([mesh.faces + start for mesh, start in zip(meshes, starts, strict=False)])
+    corners = positions[faces]
+    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    planes = np.column_stack([normals, -np.einsum("fi,fi->f", normals, corners[:, 0])])
+    vertices = faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2)
+    places = np.sort(welded(positions)[vertices], axis=1)
+    # In this order the triangles of one edge follow each other.
+    order = np.lexsort(places.T)
+    sorted_places = places[order]
+    first = np.ones(len(order), bool)
+    first[1:] = (sorted_places[1:] != sorted_places[:-1]).any(axis=1)
+    first_rows = np.flatnonzero(first)
+    last_rows = np.append(first_rows[1:], len(order)) - 1
+    # Triangles without area have edges that are points.
+    kept = sorted_places[first_rows, 0] != sorted_places[first_rows, 1]
+    first_rows, last_rows = order[first_rows[kept]], order[last_rows[kept]]
+    both = np.stack([planes[first_rows // 3], planes[last_rows // 3]], axis=1)
+    return positions[vertices[first_rows]].astype(np.float32), both

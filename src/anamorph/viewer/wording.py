@@ -1,0 +1,42 @@
+"""How numbers read in the panel: with real minus signs, their units, and no more digits than tell something."""
+
+from __future__ import annotations
+
+from anamorph.viewer.facts import Vector
+
+NOT_MEASURED = "\N{EN DASH}"
+
+
+def decimals(step: float) -> int:
+    """How many digits after the point tell two values apart that are one step from each other."""
+    return next((count for count in range(6) if abs(step * 10**count - round(step * 10**count)) < 1e-6), 6)
+
+
+def number_text(value: float, places: int, unit: str = "") -> str:
+    """A value with its unit."""
+    digits = f"{value:.{places}f}"
+    # What rounds to nought has no sign.
+    digits = digits.removeprefix("-") if float(digits) == 0.0 else digits
+    return f"{digits}{unit if unit in ('', '°') else f' {unit}'}".replace("-", "\N{MINUS SIGN}")
+
+
+def figure(value: float | None) -> str:
+    """Three digits of a value that is not negative, without powers of ten."""
+    if value is None:
+        return NOT_MEASURED
+    return f"{value:.{next(places for places, least in enumerate((100.0, 10.0, 1.0, 0.0)) if value >= least)}f}"
+
+
+def size_text(size: tuple[int, int]) -> str:
+    """Width and height, pixels."""
+    return f"{size[0]} \N{MULTIPLICATION SIGN} {size[1]}"
+
+
+def point_text(point: Vector) -> str:
+    """A world point, metres."""
+    return ", ".join(number_text(value, 3) for value in point)
+
+
+def name_text(name: str) -> str:
+    """The name of a status in words."""
+    return name.replace("_", " ").replace("-", " ").lower()

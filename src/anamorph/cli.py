@@ -142,16 +142,17 @@ def _compare(arguments: argparse.Namespace) -> None:
 
 def _view(arguments: argparse.Namespace) -> None:
     from anamorph.methods import parse
+    from anamorph.scene.viewfile import Source
     from anamorph.viewer.backends import show
-    from anamorph.viewer.opened import Source, open_source
+    from anamorph.viewer.starting import start
 
     if arguments.method:
         parse(arguments.method)
     with progress_bar(f"opening {arguments.scene}"):
         source = Source(arguments.scene, _face_choice(arguments), arguments.mirror_of)
-        opened = open_source(source, arguments.method)
+        beginning = start(source, arguments.method)
     heed("uvicorn")
-    show(opened, arguments.backend, arguments.port, arguments.size)
+    show(beginning, arguments.backend, arguments.port, arguments.size)
 
 
 def _bench_deforming(arguments: argparse.Namespace) -> None:

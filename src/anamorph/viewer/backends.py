@@ -11,15 +11,15 @@ from anamorph.scene.model import Scene
 from anamorph.scene.opening import open_scene
 from anamorph.viewer.desktop import SIZE, has_display, open_window
 from anamorph.viewer.notebook import in_notebook, make_widget
-from anamorph.viewer.opened import Opened, open_source
+from anamorph.viewer.starting import Start, start
 
 
-def show(opened: Opened, backend: str = "auto", port: int = 0, size: tuple[int, int] | None = None) -> None:
+def show(beginning: Start, backend: str = "auto", port: int = 0, size: tuple[int, int] | None = None) -> None:
     """Show a scene, until the window is closed or the process interrupted.
 
     Parameters
     ----------
-    opened : Opened
+    beginning : Start
     backend : str
         "desktop", "browser", or "auto": a window where one can open, else a page.
     port : int
@@ -28,11 +28,11 @@ def show(opened: Opened, backend: str = "auto", port: int = 0, size: tuple[int, 
         Of the window, logical pixels.
     """
     if backend == "desktop" or (backend == "auto" and has_display()):
-        open_window(opened, size)
+        open_window(beginning, size)
     else:
         from anamorph.viewer.browser import serve
 
-        serve(opened, port, size or SIZE, _print_link)
+        serve(beginning, port, size or SIZE, _print_link)
 
 
 def view(
@@ -62,10 +62,10 @@ def view(
     """
     if camera is not None:
         scene = dataclasses.replace(scene if isinstance(scene, Scene) else open_scene(scene)[0], camera=camera)
-    opened = open_source(scene, method)
+    beginning = start(scene, method)
     if in_notebook():
-        return make_widget(opened, size)
-    return show(opened, size=size)
+        return make_widget(beginning, size)
+    return show(beginning, size=size)
 
 
 def _print_link(link: str) -> None:

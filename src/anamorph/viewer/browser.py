@@ -19,7 +19,7 @@ from rendercanvas.http import HttpRenderCanvas, asgi, loop
 from anamorph.errors import AnamorphError
 from anamorph.viewer.application import Viewer
 from anamorph.viewer.gate import Content, Gate
-from anamorph.viewer.opened import Opened
+from anamorph.viewer.starting import Start
 
 MOST_PICTURES = 60
 """A second."""
@@ -32,12 +32,12 @@ SIGNALS = (signal.SIGINT, signal.SIGTERM)
 SCRIPTS = {"/page.js": ("text/javascript", "page.js"), "/page.css": ("text/css", "page.css")}
 
 
-def serve(opened: Opened, port: int, size: tuple[int, int], tell: Callable[[str], object]) -> None:
+def serve(beginning: Start, port: int, size: tuple[int, int], tell: Callable[[str], object]) -> None:
     """Serve the viewer to browsers on this machine, until the process is interrupted.
 
     Parameters
     ----------
-    opened : Opened
+    beginning : Start
     port : int
         0 for any that is free.
     size : (width, height)
@@ -51,10 +51,10 @@ def serve(opened: Opened, port: int, size: tuple[int, int], tell: Callable[[str]
         When the port cannot be had.
     """
     with _listen(port) as listener:
-        title = f"{opened.scene.name} - Anamorph"
+        title = f"{beginning.opened.scene.name} - Anamorph"
         canvas = HttpRenderCanvas(title=title, max_fps=MOST_PICTURES, vsync=False)
         canvas._size_info.set_physical_size(*size, 1.0)
-        viewer = Viewer(canvas, opened, loop.call_later)
+        viewer = Viewer(canvas, beginning, loop.call_later)
         gate = Gate(_drawing, listener.getsockname()[1], _contents(viewer, title))
         config = uvicorn.Config(
             gate,

@@ -7,13 +7,13 @@ import sys
 import warnings
 
 from anamorph.errors import AnamorphError
-from anamorph.viewer.opened import Opened
+from anamorph.viewer.starting import Start
 
 SIZE = (1280, 720)
 """Of the window, logical pixels, where the screen has room for it."""
 
-MARGIN = 0.9
-"""The share of the screen that a window fills at most: frames and bars need some."""
+TITLE_BAR = 48
+"""Logical pixels of the screen's height that are kept for it."""
 
 MOST_PICTURES = 60
 """A second."""
@@ -32,12 +32,12 @@ def has_display() -> bool:
         return bool(glfw.init())
 
 
-def open_window(opened: Opened, size: tuple[int, int] | None = None) -> None:
+def open_window(beginning: Start, size: tuple[int, int] | None = None) -> None:
     """Show the viewer in a window, until that is closed.
 
     Parameters
     ----------
-    opened : Opened
+    beginning : Start
     size : (width, height), optional
         Of the window, logical pixels.
 
@@ -53,9 +53,9 @@ def open_window(opened: Opened, size: tuple[int, int] | None = None) -> None:
     from anamorph.viewer.application import Viewer
 
     canvas = GlfwRenderCanvas(
-        size=size or _fitting(), title=f"{opened.scene.name} - Anamorph", max_fps=MOST_PICTURES, vsync=True
+        size=size or _fitting(), title=f"{beginning.opened.scene.name} - Anamorph", max_fps=MOST_PICTURES, vsync=True
     )
-    viewer = Viewer(canvas, opened, loop.call_later)
+    viewer = Viewer(canvas, beginning, loop.call_later)
     loop.run()
     viewer.close()
 
@@ -70,4 +70,4 @@ def _fitting() -> tuple[int, int]:
     _, _, width, height = glfw.get_monitor_workarea(monitor)
     # A Mac counts its screen in logical pixels, others in their own.
     ratio = 1.0 if sys.platform == "darwin" else glfw.get_monitor_content_scale(monitor)[0]
-    return min(SIZE[0], int(MARGIN * width / ratio)), min(SIZE[1], int(MARGIN * height / ratio))
+    return min(SIZE[0], int(width / ratio)), min(SIZE[1], int(height / ratio) - TITLE_BAR)

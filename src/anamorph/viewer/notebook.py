@@ -6,7 +6,7 @@ import sys
 from typing import Any
 
 from anamorph.errors import AnamorphError
-from anamorph.viewer.opened import Opened
+from anamorph.viewer.starting import Start
 
 MOST_PICTURES = 60
 """A second."""
@@ -18,12 +18,12 @@ def in_notebook() -> bool:
     return shell is not None and getattr(shell.get_ipython(), "kernel", None) is not None
 
 
-def make_widget(opened: Opened, size: tuple[int, int]) -> Any:
+def make_widget(beginning: Start, size: tuple[int, int]) -> Any:
     """The viewer as a widget, which shows itself as the last value of a cell.
 
     Parameters
     ----------
-    opened : Opened
+    beginning : Start
     size : (width, height)
         Logical pixels.
 
@@ -40,5 +40,5 @@ def make_widget(opened: Opened, size: tuple[int, int]) -> Any:
 
     canvas = AnywidgetRenderCanvas(size=size, max_fps=MOST_PICTURES, vsync=False)
     # The canvas keeps it: it draws and handles the events.
-    Viewer(canvas, opened, loop.call_later)
+    Viewer(canvas, beginning, loop.call_later)
     return canvas

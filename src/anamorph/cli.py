@@ -17,7 +17,7 @@ from anamorph.arguments import make_parser
 from anamorph.errors import AnamorphError
 from anamorph.output import PICTURES, check_directory, check_output, save_array, save_text
 from anamorph.progress import progress_bar
-from anamorph.quiet import hush
+from anamorph.quiet import heed, hush
 from anamorph.versions import versions
 
 if TYPE_CHECKING:
@@ -140,6 +140,21 @@ def _compare(arguments: argparse.Namespace) -> None:
     print_table(comparison_table(comparison))
 
 
+def _view(arguments: argparse.Namespace) -> None:
+    from anamorph.methods import parse
+    from anamorph.scene.viewfile import Source
+    from anamorph.viewer.backends import show
+    from anamorph.viewer.starting import start
+
+    if arguments.method:
+        parse(arguments.method)
+    with progress_bar(f"opening {arguments.scene}"):
+        source = Source(arguments.scene, _face_choice(arguments), arguments.mirror_of)
+        beginning = start(source, arguments.method)
+    heed("uvicorn")
+    show(beginning, arguments.backend, arguments.port, arguments.size)
+
+
 def _bench_deforming(arguments: argparse.Namespace) -> None:
     from anamorph.measure.deforming import DEFAULT, deforming_table, time_deforming
     from anamorph.measure.table import print_table
@@ -245,6 +260,7 @@ def _check_distinct(*paths: Path) -> None:
 COMMANDS = {
     "render": _render,
     "compare": _compare,
+    "view": _view,
     "bench deforming": _bench_deforming,
     "bench trilinear": _bench_trilinear,
     "scenes": _scenes,

@@ -1,0 +1,121 @@
+"""The viewer as a page in a browser on this machine."""
+
+from __future__ import annotations
+
+import asyncio
+import json
+import signal
+import socket
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from html import escape
+from importlib.resources import files
+from typing import Any
+
+import uvicorn
+from rendercanvas import http
+from rendercanvas.http import HttpRenderCanvas, asgi, loop
+
+from anamorph.errors import AnamorphError
+from anamorph.viewer.application import Viewer
+from anamorph.viewer.gate import Content, Gate
+from anamorph.viewer.starting import Start
+
+MOST_PICTURES = 60
+"""A second."""
+
+LONGEST_MESSAGE = 65536
+"""From the browser, in bytes: an event is a few hundred."""
+
+SIGNALS = (signal.SIGINT, signal.SIGTERM)
+
+SCRIPTS = {"/page.js": ("text/javascript", "page.js"), "/page.css": ("text/css", "page.css")}
+
+
+def serve(beginning: Start, port: int, size: tuple[int, int], tell: Callable[[str], object]) -> None:
+    """Serve the viewer to browsers on this machine, until the process is interrupted.
+
+    Parameters
+    ----------
+    beginning : Start
+    port : int
+        0 for any that is free.
+    size : (width, height)
+        Of the picture until a browser tells its own.
+    tell : callable
+        Is given the link.
+
+    Raises
+    ------
+    AnamorphError
+        When the port cannot be had.
+    """
+    with _listen(port) as listener:
+        title = f"{beginning.opened.scene.name} - Anamorph"
+        canvas = HttpRenderCanvas(title=title, max_fps=MOST_PICTURES, vsync=False)
+        canvas._size_info.set_physical_size(*size, 1.0)
+        viewer = Viewer(canvas, beginning, loop.call_later)
+        gate = Gate(_drawing, listener.getsockname()[1], _contents(viewer, title))
+        config = uvicorn.Config(
+            gate,
+            http="h11",
+            ws="websockets-sansio",
+            lifespan="on",
+            log_level="warning",
+            access_log=False,
+            proxy_headers=False,
+            server_header=False,
+            timeout_graceful_shutdown=1,
+            ws_max_size=LONGEST_MESSAGE,
+            # What is sent has been compressed as a picture.
+            ws_per_message_deflate=False,
+        )
+        tell(gate.link)
+        # The server hands on the signal that has ended it, and here it has done its work.
+        with _handlers(lambda *_: None):
+            uvicorn.Server(config).run([listener])
+        viewer.close()
+        canvas.close()
+
+
+def _listen(port: int) -> socket.socket:
+    try:
+        return socket.create_server(("127.0.0.1", port))
+    except OSError as error:
+        reason = (error.strerror or str(error)).lower()
+        raise AnamorphError(f"--port {port}: {reason}; choose another, or 0 for any that is free") from error
+
+
+def _contents(viewer: Viewer, title: str) -> dict[str, Content]:
+    """What is served, by path."""
+    contents: dict[str, Content] = {}
+    page = files(__package__)
+    contents["/"] = "text/html", lambda: page.joinpath("page.html").read_text().replace("{title}", escape(title))
+    for path, (media, name) in SCRIPTS.items():
+        contents[path] = media, page.joinpath(name).read_text
+    for name in ("renderview.js", "renderview.css"):
+        media, text = http.resources[name]
+        contents[f"/{name}"] = media, lambda text=text: text
+    contents["/report.json"] = "application/json", lambda: json.dumps(viewer.report(), allow_nan=False)
+    return contents
+
+
+async def _drawing(scope: Any, receive: Any, send: Any) -> None:
+    """The canvas's own application, whose loop is started with the server."""
+    if scope["type"] == "lifespan":
+        # That loop would take over the signals that end the server.
+        with _handlers(signal.SIG_DFL):
+            loop.kickstart()
+            await asyncio.sleep(0.05)
+    await asgi(scope, receive, send)
+
+
+@contextmanager
+def _handlers(handler: Any) -> Iterator[None]:
+    """While the block runs, signals that end the process go to `handler`."""
+    before = {each: signal.signal(each, handler) for each in SIGNALS}
+    try:
+        yield
+    finally:
+        for each, kept in before.items():
+            signal.signal(each, kept)

@@ -1,0 +1,149 @@
+// What the page does: shows the pictures that the viewer sends, and sends back what its user does.
+// The messages are those of rendercanvas's http canvas; the events are made by its renderview.js.
+
+'use strict'
+
+const status = document.getElementById('status')
+const wrapper = document.getElementById('canvas')
+const SLOWEST_RETRY = 4000 // milliseconds
+const TAKEN = new Set(['F1', 'Tab', 'Ctrl+s']) // keys for which viewer and browser each have a use
+
+let socket = null
+let retry = 250
+let active = null
+
+class View extends window.BaseRenderView {
+  constructor () {
+    const picture = document.createElement('img')
+    picture.alt = 'The view, with its controls in the picture. The key ? lists what keys do.'
+    picture.decoding = 'sync'
+    picture.style.imageRendering = 'pixelated'
+    picture.style.touchAction = 'none'
+    picture.ondragstart = () => false
+    super(picture, wrapper)
+    this.setCssWidth('100vw')
+    this.setCssHeight('100vh')
+    this.setThrottle(16)
+    this.frames = []
+    this.waiting = false
+    picture.onload = () => this.showSoon()
+  }
+
+  onEvent (event) {
+    if (socket !== null && socket.readyState === WebSocket.OPEN) { socket.send(JSON.stringify(event)) }
+  }
+
+  receive (frame) {
+    this.frames.push(frame)
+    this.showSoon()
+  }
+
+  showSoon () {
+    if (document.hidden) {
+      // No animation frames come to a tab that is not seen; what is drawn there must not stop for it.
+      while (this.frames.length > 0) { this.show(this.frames.shift()) }
+    } else if (!this.waiting && this.frames.length > 0) {
+      this.waiting = true
+      window.requestAnimationFrame(() => {
+        this.waiting = false
+        if (this.frames.length > 0) { this.show(this.frames.shift()) }
+      })
+    }
+  }
+
+  show (frame) {
+    const before = this.viewElement.src
+    this.viewElement.src = URL.createObjectURL(new Blob([frame.data], { type: frame.mimetype }))
+    if (before.startsWith('blob:')) { URL.revokeObjectURL(before) }
+    this.onEvent({ type: '_framefeedback', index: frame.index, timestamp: frame.timestamp, localtime: Date.now() / 1000 })
+  }
+
+  // Have the observer tell the size anew: whoever draws knows only that of the tab which has controlled so far.
+  tellSize () {
+    this._resizeObserver.unobserve(this.viewElement)
+    this._resizeObserver.observe(this.viewElement)
+  }
+
+  // Let go of what another tab may have held when it was closed.
+  release () {
+    const pointer = { x: -1, y: -1, buttons: [], modifiers: [], ntouches: 0, touches: {}, timestamp: performance.now() / 1000 }
+    for (const button of [1, 2, 3]) { this.onEvent({ type: 'pointer_up', button, ...pointer }) }
+  }
+
+  focus () {
+    // On a touch screen, focus would bring up the keyboard.
+    if (window.matchMedia('(pointer: fine)').matches) { this._focusElement.focus({ preventScroll: true }) }
+  }
+}
+
+const view = new View()
+
+function say (text) {
+  status.textContent = text
+}
+
+function control (value) {
+  const gained = value && active !== true
+  active = value
+  say(value ? '' : 'Watching: another tab controls this viewer. Close it to take over.')
+  if (gained) {
+    view.release()
+    view.tellSize()
+    view.focus()
+  }
+}
+
+function connect () {
+  const opened = new WebSocket(`ws://${window.location.host}/stream`)
+  opened.binaryType = 'arraybuffer'
+  let announced = null
+  opened.onopen = () => {
+    socket = opened
+    retry = 250
+  }
+  opened.onmessage = (message) => {
+    if (typeof message.data !== 'string') {
+      view.receive({ ...announced, data: message.data })
+      return
+    }
+    const said = JSON.parse(message.data)
+    if (said.type === 'framebufferdata') {
+      announced = said
+    } else if (said.type === 'active') {
+      control(said.value)
+    } else if (said.type === 'cursor') {
+      view.setCursor(said.value)
+    } else if (said.type === 'title') {
+      document.title = said.value
+    }
+  }
+  opened.onclose = () => {
+    socket = null
+    active = null
+    view.frames.length = 0
+    say('Disconnected. Trying again …')
+    window.setTimeout(connect, retry)
+    retry = Math.min(2 * retry, SLOWEST_RETRY)
+  }
+}
+
+// The same size in the page can become another on the screen: in a window that is moved to a finer one.
+function watchRatio () {
+  window.matchMedia(`(resolution: ${window.devicePixelRatio}dppx)`).addEventListener('change', () => {
+    view.tellSize()
+    watchRatio()
+  }, { once: true })
+}
+
+document.addEventListener('visibilitychange', () => view.showSoon())
+document.addEventListener('contextmenu', (event) => event.preventDefault())
+document.addEventListener('pointerenter', () => view.focus(), { capture: true, once: true })
+window.addEventListener('focus', () => view.focus())
+window.addEventListener('keydown', (event) => {
+  const held = event.ctrlKey || event.metaKey ? 'Ctrl+' : ''
+  if (TAKEN.has(held + event.key)) { event.preventDefault() }
+}, { capture: true })
+
+say('Connecting …')
+watchRatio()
+connect()

@@ -332,3 +332,15 @@ def test_a_base_that_cannot_be_started_from_is_named(tmp_path: Path, text: str, 
         state_of(open_view(tmp_path / "view.toml"))
     assert str(tmp_path) in str(caught.value) and "\n" not in str(caught.value)
     assert all(word in str(caught.value) for word in words), str(caught.value)
+
+
+DOCUMENT = Path(__file__).resolve().parents[1] / "docs" / "scene-file.md"
+
+
+def test_the_documented_view_opens_and_every_key_is_documented(tmp_path: Path) -> None:
+    text = DOCUMENT.read_text().split("## `[view]`")[1]
+    (tmp_path / "view.toml").write_text(text.split("```toml\n")[1].split("```")[0])
+    state = state_of(open_view(tmp_path / "view.toml"))
+    assert (state.split, state.divider, state.values) == (True, 0.6, {"mirror/swivel": 3.0})
+    observed = replace(state, observer=state.camera, picked=(0.5, 0.5))
+    assert [key for key in view_of(observed) if f"`{key}`" not in text] == []

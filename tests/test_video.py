@@ -152,6 +152,19 @@ def test_a_name_that_cannot_be_written_is_refused_at_once(tmp_path, name):
     assert sorted(tmp_path.rglob("*")) == before
 
 
+@pytest.mark.parametrize("rate", [0.0, -30.0, np.nan, np.inf])
+def test_a_rate_of_no_sense_is_refused(tmp_path, rate):
+    with pytest.raises(AnamorphError, match="frames a second; give 1 to 120"):
+        video(tmp_path / "a.webm", SIZE, rate)
+
+
+def test_an_animation_longer_than_its_count_of_bytes_is_refused(tmp_path, monkeypatch):
+    monkeypatch.setattr("anamorph.video.LONGEST", 2000)
+    with pytest.raises(AnamorphError, match=r"too long for a WebP file at frame \d+; give a \.webm file"):
+        write(tmp_path / "a.webp", frames(3) * 30)
+    assert not list(tmp_path.iterdir())
+
+
 def test_a_video_too_large_for_its_format_is_refused(tmp_path):
     check_video(tmp_path / "a.webm", (LARGEST, 1))
     check_video(tmp_path / "series", (LARGEST + 1, 1))

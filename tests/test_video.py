@@ -10,7 +10,7 @@ import pytest
 from PIL import Image, ImageSequence
 
 from anamorph.errors import AnamorphError
-from anamorph.video import LARGEST, check_video, video
+from anamorph.video import LARGEST, QUALITY, check_video, video
 
 SIZE = (49, 31)
 
@@ -91,6 +91,8 @@ def test_a_webm_file_says_what_it_holds_and_where(tmp_path):
         # The frame tag of RFC 6386, section 9.1: a key frame, its start code, and its size.
         assert block[4] & 1 == 0 and block[7:10] == b"\x9d\x01\x2a"
         assert tuple(np.frombuffer(block[10:14], "<u2") & 0x3FFF) == SIZE
+        Image.fromarray(pixels).save(tmp_path / "whole.webp", quality=QUALITY)
+        assert riff(block[4:]) == (tmp_path / "whole.webp").read_bytes()
         (tmp_path / "frame.webp").write_bytes(riff(block[4:]))
         with Image.open(tmp_path / "frame.webp") as image:
             assert np.abs(np.asarray(image.convert("RGB")).astype(int) - pixels).mean() < 2.0

@@ -265,6 +265,15 @@ def test_a_file_that_does_more_than_keep_a_view_opens_with_its_changes_made(tmp_
         assert state_of(opened).split == ("split" in text)
 
 
+def test_a_name_that_is_also_a_pattern_is_none_of_a_view(tmp_path: Path) -> None:
+    renamed = 'builtin = "spheres"\n[[part]]\nname = "mirror-ball"\nrename = "mirror*"\n'
+    (tmp_path / "base.toml").write_text(renamed)
+    for pattern, parts in (("mirror*", set()), ("mirror[*]", {"mirror*"})):
+        view = f'base = "base.toml"\n[[part]]\nname = "{pattern}"\nturn = [1, 0, 0]\n[view]\n'
+        (tmp_path / "view.toml").write_text(view)
+        assert set(open_view(tmp_path / "view.toml").edits) == parts
+
+
 @pytest.mark.parametrize(
     ("text", "line", "words"),
     [

@@ -353,3 +353,11 @@ def test_the_documented_view_opens_and_every_key_is_documented(tmp_path: Path) -
     assert (state.split, state.divider, state.values) == (True, 0.6, {"mirror/swivel": 3.0})
     observed = replace(state, observer=state.camera, picked=(0.5, 0.5))
     assert [key for key in view_of(observed) if f"`{key}`" not in text] == []
+
+
+def test_a_scene_is_drawn_as_its_base_wants_unless_it_says_otherwise(tmp_path: Path) -> None:
+    (tmp_path / "base.toml").write_text('builtin = "flat-mirror"\nsize = [30, 20]\nmethod = "environment"\n')
+    (tmp_path / "on.toml").write_text('base = "base.toml"\n')
+    (tmp_path / "own.toml").write_text('base = "base.toml"\nsize = [8, 9]\nmethod = "raytrace"\n')
+    assert open_scene(tmp_path / "on.toml")[1] == Settings((30, 20), "environment")
+    assert open_scene(tmp_path / "own.toml")[1] == Settings((8, 9), "raytrace")

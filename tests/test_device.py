@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import os
 import subprocess
 import sys
 import textwrap
@@ -29,7 +30,8 @@ LOSS = textwrap.dedent(
     from scenes import scene_with, spherical_mirror
 
     SCENE = scene_with(spherical_mirror())
-    KINDS = [*METHODS, "pervertex:antialias=4,overlay=mesh,mipmaps=true", "trilinear:antialias=4"]
+    KINDS = [*METHODS, "pervertex:antialias=4,overlay=mesh,mipmaps=true", "trilinear:antialias=4",
+             "trilinear:edges=straight"]
 
     def drawn(kind):
         method, options = parse(kind)
@@ -92,7 +94,9 @@ def test_a_device_at_work_is_not_lost():
 
 def test_after_a_loss_everything_is_made_anew_and_nothing_old_is_kept():
     # In a process of its own: other tests keep sessions on this one's device.
-    done = subprocess.run([sys.executable, "-c", LOSS], capture_output=True, text=True, cwd=Path(__file__).parent)
+    paths = {"PYTHONPATH": os.pathsep.join(map(str, (PACKAGE.parent, Path(__file__).parent)))}
+    command = [sys.executable, "-c", LOSS]
+    done = subprocess.run(command, capture_output=True, text=True, env={**os.environ, **paths})
     assert done.returncode == 0, done.stderr
 
 

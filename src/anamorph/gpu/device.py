@@ -66,14 +66,19 @@ def get_device() -> wgpu.GPUDevice:
         raise AnamorphError(f"adapter {adapter_name()}: it gives no device ({str(error).splitlines()[0]})") from error
 
 
+@of_device
+def _probe() -> wgpu.GPUBuffer:
+    return get_device().create_buffer(size=4, usage=wgpu.BufferUsage.COPY_DST)
+
+
 def device_lost() -> str | None:
     """Why the device is lost, in one line; None while it works.
 
-    wgpu 0.32 tells nobody of a loss: from then on all that makes something on the device raises `wgpu.GPUError`, and so
-    this tries to. Ask after such an error.
+    wgpu 0.32 tells nobody of a loss, but most calls after it raise `wgpu.GPUError`: this makes one. Ask before a
+    window's next texture is taken (`get_current_texture`): on a lost device that call ends the process.
     """
     try:
-        get_device().create_buffer(size=4, usage=wgpu.BufferUsage.COPY_DST)
+        get_device().queue.write_buffer(_probe(), 0, bytes(4))
     except wgpu.GPUError as error:
         lines = [line.strip() for line in str(error).splitlines()]
         return next((line for line in lines if "lost" in line.lower()), None)

@@ -60,7 +60,8 @@ def bend_of(mesh: Mesh) -> Bend | None:
         reach = float(np.linalg.norm(_across(mesh, *middle), axis=1).max())
     side = facing(mesh)
     signed = tuple(side * curvature for curvature in curvatures)
-    return Bend(signed, max(COMFORTABLE / reach, 1.25 * max(map(abs, signed))))
+    most = max(map(abs, signed))
+    return Bend(signed, max(min(max(COMFORTABLE / reach, 1.25 * most), STEEPEST / reach), most))
 
 
 def bent(mesh: Mesh, curvature: float | None = None, cross_curvature: float | None = None) -> Mesh:
@@ -134,12 +135,12 @@ def facing(mesh: Mesh) -> float:
     return 1.0 if np.sum(mesh.surface.normal(mesh.parameters) * mesh.normals) > 0.0 else -1.0
 
 
-def on_surface(mesh: Mesh, surface: Surface, parameters: np.ndarray) -> Mesh:
-    """The mesh with its vertices at `parameters` (V, 2) of another surface, facing as before."""
+def on_surface(mesh: Mesh, surface: Surface, parameters: np.ndarray, toward: np.ndarray) -> Mesh:
+    """The mesh with its vertices at `parameters` (V, 2) of another surface, its normals `toward` (3,)."""
     return replace(
         mesh,
         positions=surface.position(parameters).astype(np.float32),
-        normals=turned_normals(surface, parameters, np.asarray(mesh.normals, float)).astype(np.float32),
+        normals=turned_normals(surface, parameters, toward[None]).astype(np.float32),
         surface=surface,
         parameters=parameters,
     )
@@ -182,7 +183,7 @@ def _rounded(mesh: Mesh, curvature: float) -> Mesh:
     square = np.sum(across**2, axis=1)
     sag = curvature * square / (1.0 + np.sqrt(1.0 - curvature**2 * square))
     points = apex + np.column_stack([across, -sag]) @ axes
-    return on_surface(mesh, surface, surface.parameters(points))
+    return on_surface(mesh, surface, surface.parameters(points), axes[2])
 
 
 def _sagged(mesh: Mesh, curvatures: tuple[float, ...]) -> Mesh:
@@ -192,4 +193,4 @@ def _sagged(mesh: Mesh, curvatures: tuple[float, ...]) -> Mesh:
     side = facing(mesh)
     middle = surface.position((parameters.min(axis=0) + parameters.max(axis=0))[None] / 2.0)[0]
     other = recurved(surface, tuple(side * curvature for curvature in curvatures), middle)
-    return on_surface(mesh, other, parameters)
+    return on_surface(mesh, other, parameters, side * np.asarray(surface.axes, float)[2])

@@ -66,12 +66,13 @@ def edit(meshes: tuple[Mesh, ...], by: Edit) -> tuple[Mesh, ...]:
         The part cannot be changed so.
     """
     _check(meshes, by)
-    shaped = _shaped(meshes, by)
+    lens = lens_of(meshes)
+    shaped = _shaped(meshes, lens, by)
     turned, moved = any(by.turn), any(by.move)
     if not turned and not moved:
         return shaped
     # Along the axes of the part as it was, so that bending it neither turns nor moves it.
-    frame = part_frame(meshes)
+    frame = part_frame(meshes, lens)
     swivel, tilt, roll = by.turn
     local = rotation((0.0, swivel, 0.0)) @ rotation((-tilt, 0.0, 0.0)) @ rotation((0.0, 0.0, roll))
     turn = frame.axes.T @ local @ frame.axes if turned else np.eye(3)
@@ -79,12 +80,11 @@ def edit(meshes: tuple[Mesh, ...], by: Edit) -> tuple[Mesh, ...]:
     return tuple(transform(mesh, motion) for mesh in shaped)
 
 
-def part_frame(meshes: Sequence[Mesh]) -> Frame:
-    """The middle and the axes of one part, of its specular meshes where it has some.
+def part_frame(meshes: Sequence[Mesh], lens: LensPair | None) -> Frame:
+    """The middle and the axes of one part, of its specular meshes where it has some; `lens` as from `lens_of`.
 
     Outward is the mean normal; of a lens, that of its front. A body that looks all ways has the world's axes.
     """
-    lens = lens_of(meshes)
     own = [mesh for mesh in meshes if mesh.specular] or meshes
     faces = own if lens is None else (meshes[lens.front], meshes[lens.back])
     outward = mean_normal(faces[:1] if lens is not None else faces)
@@ -114,7 +114,7 @@ def _check(meshes: tuple[Mesh, ...], by: Edit) -> None:
             raise AnamorphError(f"part '{name}': {key} is {value:g}; give a number from {low:g} to {high:g}")
 
 
-def _shaped(meshes: tuple[Mesh, ...], by: Edit) -> tuple[Mesh, ...]:
+def _shaped(meshes: tuple[Mesh, ...], lens: LensPair | None, by: Edit) -> tuple[Mesh, ...]:
     """The meshes with their surfaces and materials changed."""
     changed = list(meshes)
     if by.curvature is not None or by.cross_curvature is not None:
@@ -122,10 +122,9 @@ def _shaped(meshes: tuple[Mesh, ...], by: Edit) -> tuple[Mesh, ...]:
         if len(mirrors) != 1:
             raise AnamorphError(f"part '{meshes[0].name}': is {len(mirrors)} mirrors; bend one mirror at a time")
         changed[mirrors[0]] = bent(meshes[mirrors[0]], by.curvature, by.cross_curvature)
-    lens = lens_of(meshes) if by.power is not None or by.index is not None else None
     if by.power is not None and lens is None:
         raise AnamorphError(f"part '{meshes[0].name}': has no power, it is no lens of two faces; leave power out")
-    if lens is not None:
+    if lens is not None and (by.power is not None or by.index is not None):
         numbers = [number for number in (lens.front, lens.back, lens.edge) if number is not None]
         for number, mesh in zip(numbers, ground([meshes[i] for i in numbers], by.power, by.index), strict=True):
             changed[number] = mesh

@@ -74,12 +74,15 @@ def rings_for(vertices: int) -> int:
 def drop(surface: LensSurface, points: np.ndarray, axis: np.ndarray) -> np.ndarray:
     """The parameters, (N, 2), of the points of `surface` on the lines along `axis` through `points` (N, 3)."""
     points = np.asarray(points, float)
+    exact = 8.0 * np.finfo(float).eps * np.abs(points).max(initial=0.0)
     for _ in range(12):
         # Newton's iteration: onto the plane that touches the surface nearby.
         parameters = surface.parameters(points)
         normal = surface.normal(parameters)
         height = np.sum((surface.position(parameters) - points) * normal, axis=1) / (normal @ axis)
         points = points + height[:, None] * axis
+        if np.abs(height).max(initial=0.0) <= exact:
+            break
     return surface.parameters(points)
 
 

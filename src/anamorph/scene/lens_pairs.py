@@ -93,11 +93,13 @@ def _faces_of_one(front: Mesh, back: Mesh) -> bool:
 
 def has_one_border(mesh: Mesh) -> bool:
     """Whether the edges that only one triangle has form one closed line."""
-    edges = np.sort(np.concatenate([mesh.faces[:, pair] for pair in ([0, 1], [1, 2], [2, 0])]), axis=1)
-    edges, uses = np.unique(edges, axis=0, return_counts=True)
-    vertices, ends = np.unique(edges[uses == 1], return_inverse=True)
+    edges = np.sort(np.concatenate([mesh.faces[:, pair] for pair in ([0, 1], [1, 2], [2, 0])]), axis=1).astype(np.int64)
+    # As single numbers: rows take ten times as long to sort.
+    count = len(mesh.positions)
+    numbers, uses = np.unique(edges[:, 0] * count + edges[:, 1], return_counts=True)
+    vertices, ends = np.unique(np.divmod(numbers[uses == 1], count), return_inverse=True)
     if (np.bincount(ends.ravel()) != 2).any():
         return False
-    start, stop = ends.reshape(-1, 2).T
+    start, stop = ends.reshape(2, -1)
     graph = coo_array((np.ones(len(start)), (start, stop)), shape=(len(vertices), len(vertices)))
     return bool(connected_components(graph, directed=False, return_labels=False) == 1)

@@ -9,6 +9,7 @@ import dataclasses
 from collections import defaultdict
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -20,7 +21,7 @@ from anamorph.scene.bending import bend_of
 from anamorph.scene.camera import Camera
 from anamorph.scene.checks import check_camera
 from anamorph.scene.editing import Edit, edit, lens_of
-from anamorph.scene.grinding import optics_of, power_limits
+from anamorph.scene.grinding import USUAL, index_limits, optics_of, power_limits
 from anamorph.scene.model import Glass, Mesh, Mirror, Scene
 from anamorph.scene.parts import specular_parts
 
@@ -31,18 +32,17 @@ TURNS = {
 }
 MOVES = {"right": "to the right, as you look at it", "up": "upward", "outward": "the way it faces"}
 SHAPES = ("curvature", "cross_curvature", "reflectance", "power", "index")
+WHATS = (*TURNS, *MOVES, *SHAPES)
 
 MOST_TURN = 45.0
 ROUND = (1.0, 2.0, 5.0, 10.0)
-INDICES = (1.3, 2.0)
-"""Of what lenses are made of, from water to the densest glass."""
 
 EYE = "eye"
 EYE_REACH = 4.0
 """How far a control takes the eye from where the scene has it, in its distances from its target."""
 
-STEPS = 200.0
-"""Into how many steps a control's half range is divided, about."""
+STEPS = 1000.0
+"""Into how many steps a control's range is divided, about."""
 
 KINDS = {bool: "flag", int: "whole", float: "number", str: "word"}
 
@@ -110,9 +110,11 @@ class OptionControl:
     summary: str
 
 
+# Made anew they would take a panel's whole frame.
+@lru_cache(maxsize=2)
 def scene_controls(scene: Scene) -> tuple[Control, ...]:
     """The controls of every part of a scene that has a mirror or glass in it, part by part."""
-    parts = specular_parts(scene.meshes)
+    parts = _parts(scene)
     return tuple(
         control for name, own in parts.items() for control in _part_controls(name, [scene.meshes[i] for i in own])
     )
@@ -140,7 +142,7 @@ def edited(scene: Scene, values: Mapping[str, float]) -> Scene:
     """
     if not values:
         return scene
-    parts, meshes = specular_parts(scene.meshes), list(scene.meshes)
+    parts, meshes = _parts(scene), list(scene.meshes)
     for name, given in _by_part(values, parts).items():
         own = parts[name]
         for number, mesh in zip(own, edit(tuple(meshes[i] for i in own), _edit(given)), strict=True):
@@ -151,7 +153,7 @@ def edited(scene: Scene, values: Mapping[str, float]) -> Scene:
 
 def part_edits(scene: Scene, values: Mapping[str, float]) -> dict[str, Edit]:
     """What `values` change of each part, by its name: as a scene file says it."""
-    return {name: _edit(given) for name, given in _by_part(values, specular_parts(scene.meshes)).items()}
+    return {name: _edit(given) for name, given in _by_part(values, _parts(scene)).items()}
 
 
 def reading(control: Control, value: float) -> str:
@@ -160,17 +162,17 @@ def reading(control: Control, value: float) -> str:
         return f"{value:.4g} {control.unit}".rstrip()
     if abs(value) < control.step / 2.0:
         return "flat"
-    return f"{'convex' if value > 0.0 else 'hollow'}, R = {1.0 / abs(value):.4g} m"
+    return f"{'convex' if value > 0.0 else 'concave'}, R = {1.0 / abs(value):.4g} m"
 
 
 def eye_controls(camera: Camera, scene: Scene) -> tuple[Control, ...]:
     """The controls of an eye: where it is, and its field of view. See `with_eye`."""
     opened = scene.camera
     reach = EYE_REACH * float(np.linalg.norm(np.subtract(opened.target, opened.position)))
-    places = zip("xyz", opened.position, camera.position, strict=True)
+    step, places = _round(2.0 * reach / STEPS), zip("xyz", opened.position, camera.position, strict=True)
     controls = [
         Control(
-            f"{EYE}/{axis}", axis, EYE, "m", min(at - reach, now), max(at + reach, now), at, _round(reach / 1000.0),
+            f"{EYE}/{axis}", axis, EYE, "m", min(at - reach, now), max(at + reach, now), at, step,
             f"where the eye is along the world's {axis} axis; it keeps looking at its target",
         )
         for axis, at, now in places
@@ -212,6 +214,11 @@ def option_controls(method: Method) -> tuple[OptionControl, ...]:
     return tuple(control(field) for field in dataclasses.fields(method.options))
 
 
+@lru_cache(maxsize=2)
+def _parts(scene: Scene) -> dict[str, tuple[int, ...]]:
+    return specular_parts(scene.meshes)
+
+
 def _part_controls(name: str, meshes: list[Mesh]) -> list[Control]:
     specular = [mesh for mesh in meshes if mesh.specular]
     size = float(np.linalg.norm(np.ptp(np.concatenate([mesh.positions for mesh in specular]).astype(float), axis=0)))
@@ -229,7 +236,8 @@ def _shape_controls(name: str, meshes: list[Mesh], specular: list[Mesh]) -> list
     if bend is not None:
         # Whoever has two keys has two curvatures.
         for what, curvature in zip(SHAPES, bend.curvatures, strict=False):
-            summary = "one over the radius: positive bulges, 0 is flat, negative is hollow"
+            which = "of its other section, " if what == "cross_curvature" else ""
+            summary = f"{which}one over the radius: positive is convex, 0 flat, negative concave"
             controls.append(_control(name, what, "1/m", (-bend.limit, bend.limit), curvature, summary))
     match specular[0].material:
         case Mirror(reflectance=reflectance):
@@ -244,7 +252,8 @@ def _shape_controls(name: str, meshes: list[Mesh], specular: list[Mesh]) -> list
             controls.append(_control(name, "power", "D", limits, optics.power, summary))
     glass = next((mesh.material for mesh in specular if isinstance(mesh.material, Glass)), None)
     if glass is not None:
-        limits = min(INDICES[0], glass.index), max(INDICES[1], glass.index)
+        low, high = USUAL if lens is None else index_limits(meshes[lens.front], meshes[lens.back])
+        limits = min(low, glass.index), max(high, glass.index)
         summary = "refractive index of the glass" + ("; the power stays" if lens is not None else "")
         controls.append(_control(name, "index", "", limits, glass.index, summary))
     return controls
@@ -252,7 +261,7 @@ def _shape_controls(name: str, meshes: list[Mesh], specular: list[Mesh]) -> list
 
 def _control(part: str, what: str, unit: str, limits: tuple[float, float], default: float, summary: str) -> Control:
     low, high = limits
-    step = _round((high - low) / 2.0 / STEPS)
+    step = _round((high - low) / STEPS)
     return Control(f"{part}/{what}", what.replace("_", " "), part, unit, low, high, default, step, summary)
 
 
@@ -267,11 +276,10 @@ def _by_part(values: Mapping[str, float], parts: Mapping[str, tuple[int, ...]]) 
     given: dict[str, dict[str, float]] = defaultdict(dict)
     for key, value in values.items():
         part, _, what = key.rpartition("/")
-        known = {"part": parts, "what": (*TURNS, *MOVES, *SHAPES)}
         if part not in parts:
             raise AnamorphError(f"no control '{key}'{nearest(part, parts)} (parts: {', '.join(parts) or 'none'})")
-        if what not in known["what"]:
-            raise AnamorphError(f"no control '{key}'{nearest(what, known['what'])} (known: {', '.join(known['what'])})")
+        if what not in WHATS:
+            raise AnamorphError(f"no control '{key}'{nearest(what, WHATS)} (known: {', '.join(WHATS)})")
         given[part][what] = value
     return given
 

@@ -56,10 +56,11 @@ def set_theme() -> None:
     style.item_inner_spacing = imgui.ImVec2(6.0, 4.0)
     style.scrollbar_size = 9.0
     style.window_min_size = imgui.ImVec2(1.0, 1.0)
-    style.window_border_size = style.popup_border_size = style.frame_border_size = 0.0
-    # Round corners and smoothed lines cost triangles at every frame, and show nothing.
+    style.window_border_size = style.frame_border_size = 0.0
+    style.popup_border_size = 1.0
+    # Round corners and smoothed areas cost triangles at every frame, and show nothing.
     style.window_rounding = style.frame_rounding = style.scrollbar_rounding = style.grab_rounding = 0.0
-    style.anti_aliased_lines = style.anti_aliased_fill = False
+    style.anti_aliased_fill = False
     for color, value in _colors().items():
         style.set_color_(color, value)
 

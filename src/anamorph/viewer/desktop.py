@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import os
 import sys
 import warnings
@@ -50,6 +51,8 @@ def open_window(beginning: Start, size: tuple[int, int] | None = None) -> None:
         raise AnamorphError("--backend desktop: there is no display to open a window on; give --backend browser")
     from rendercanvas.glfw import GlfwRenderCanvas, loop
 
+    # Its warnings tell of an interrupt, which its user has just sent.
+    logging.getLogger("rendercanvas").setLevel(logging.ERROR)
     from anamorph.viewer.application import Viewer
 
     canvas = GlfwRenderCanvas(

@@ -75,7 +75,7 @@ class Gate:
     def _answer(self, scope: Any) -> Answer:
         headers = _by_name(scope)
         known = self._knows(headers)
-        given = parse_qs(scope["query_string"]).get(b"token", [])
+        given = parse_qs(scope["query_string"].decode("latin-1")).get("token", [])
         if self._host(headers) is None:
             return _said(HTTPStatus.FORBIDDEN)
         if scope["method"] not in ("GET", "HEAD"):
@@ -90,9 +90,9 @@ class Gate:
         media, make = self._contents[scope["path"]]
         return HTTPStatus.OK, media, make(), {}
 
-    def _spend(self, method: str, given: list[bytes]) -> bool:
+    def _spend(self, method: str, given: list[str]) -> bool:
         """Whether the token is given, for the first time; what only looks whether the page is there spends nothing."""
-        if self._spent or method != "GET" or not secrets.compare_digest(given[0], self._token.encode()):
+        if self._spent or method != "GET" or not secrets.compare_digest(given[0].encode(), self._token.encode()):
             return False
         self._spent = True
         return True

@@ -1,0 +1,120 @@
+"""The viewer in Chromium: every effect is looked for in the pixels of the page, or in what the viewer reports."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+from browser import Served, Tab, chromium, needs_chromium, served, tab_of, wait_until
+
+pytestmark = needs_chromium
+
+
+@pytest.fixture(scope="module")
+def browser():
+    with chromium() as running:
+        yield running
+
+
+def inside(picture: np.ndarray, rectangle: list[float]) -> np.ndarray:
+    left, top, right, bottom = (round(edge) for edge in rectangle)
+    return picture[top:bottom, left:right].astype(float)
+
+
+def changed(before: np.ndarray, after: np.ndarray) -> float:
+    """The share of pixels that differ by more than the loss of a JPEG file."""
+    return float(np.mean(np.abs(before.astype(float) - after).max(-1) > 24.0))
+
+
+def test_the_divider_a_slider_the_method_and_a_click_do_what_they_are_for(browser, tmp_path):
+    with served(tmp_path, "car-mirror") as viewer, tab_of(browser, viewer) as tab:
+        report = tab.wait_until(lambda report: report["at_rest"], "rest")
+        assert tab.page.url == f"{viewer.origin}/"
+        assert tab.page.title() == "car-mirror - Anamorph"
+        assert report["size"] == [1000, 640]
+        view = [report["rectangles"]["panel"][2], 0.0, 1000.0, 600.0]
+        at_first = tab.picture()
+        assert inside(at_first, view).std() > 20.0
+
+        tab.click(*tab.center("first/method"))
+        tab.wait_until(lambda report: "first/method/environment" in report["rectangles"], "the list of methods")
+        tab.click(*tab.center("first/method/environment"))
+        tab.wait_until(lambda report: report["state"]["first"]["method"] == "environment" and report["at_rest"])
+        wait_until(lambda: changed(inside(at_first, view), inside(tab.picture(), view)) > 0.02, "another picture")
+
+        tab.key("s")
+        report = tab.wait_until(lambda report: report["state"]["split"] and "divider" in report["rectangles"])
+        tab.wait_until(lambda report: report["at_rest"], "rest")
+        split = tab.picture()
+        x, y = tab.center("divider")
+        tab.drag((x, y), (x + 150.0, y))
+        report = tab.wait_until(lambda report: report["state"]["divider"] > 0.6 and report["at_rest"])
+        assert tab.center("divider")[0] == pytest.approx(x + 150.0, abs=2.0)
+        # what lies between the old place and the new one is now drawn by the environment map, and nothing else is
+        between = [x + 10.0, 0.0, x + 140.0, 560.0]
+        wait_until(lambda: changed(inside(split, between), inside(tab.picture(), between)) > 0.02, "the other half")
+        beyond = [x + 180.0, 0.0, 1000.0, 560.0]
+        assert changed(inside(split, beyond), inside(tab.picture(), beyond)) < 0.01
+
+        before = tab.picture()
+        x, y = tab.center("mirror/swivel")
+        tab.drag((x, y), (x + 40.0, y))
+        tab.wait_until(lambda report: report["state"]["values"].get("mirror/swivel") and report["at_rest"])
+        wait_until(lambda: changed(inside(before, beyond), inside(tab.picture(), beyond)) > 0.05, "a turned mirror")
+
+        tab.click(900.0, 330.0)
+        report = tab.wait_until(lambda report: report["inspection"], "what is seen there")
+        assert report["inspection"]["method"] == "raytrace"
+        assert report["state"]["picked"] == pytest.approx(
+            [(900.0 - view[0]) / (1000.0 - view[0]), 330.0 / 616.0], abs=0.01
+        )
+        assert tab.complaints == []
+        assert viewer.interrupt() == (0, "")
+
+
+def test_the_picture_follows_the_window_and_the_tab_that_controls_it(browser, tmp_path):
+    with served(tmp_path, "flat-mirror") as viewer, tab_of(browser, viewer, has_touch=True) as tab:
+        tab.wait_until(lambda report: report["size"] == [1000, 640])
+        tab.page.set_viewport_size({"width": 640, "height": 400})
+        tab.wait_until(lambda report: report["size"] == [640, 400])
+        page = "[document.scrollingElement.scrollWidth, document.scrollingElement.scrollHeight]"
+        assert tab.page.evaluate(page) == [640, 400]
+        assert tab.page.evaluate("getComputedStyle(document.querySelector('img')).touchAction") == "none"
+        assert tab.page.get_by_role("img").get_attribute("alt")
+        tab.key("Tab")
+        tab.wait_until(lambda report: "panel/show" in report["rectangles"])
+        tab.tap(*tab.center("panel/show"))
+        tab.wait_until(lambda report: report["state"]["panel"])
+
+        second = another_tab(tab, viewer, 500, 300)
+        second.wait_for_selector("text=Watching")
+        assert tab.report()["size"] == [640, 400]
+        tab.page.close()
+        second.wait_for_selector("#status:empty", state="attached")
+        tab.wait_until(lambda report: report["size"] == [500, 300])
+        second.close()
+        third = another_tab(tab, viewer, 520, 320)
+        tab.wait_until(lambda report: report["size"] == [520, 320])
+        assert viewer.interrupt() == (0, "")
+        third.wait_for_selector("text=Disconnected")
+
+
+def another_tab(tab: Tab, viewer: Served, width: int, height: int) -> Any:
+    page = tab.page.context.new_page()
+    page.set_viewport_size({"width": width, "height": height})
+    page.goto(viewer.origin)
+    return page
+
+
+def test_a_fine_screen_gets_its_own_pixels(tmp_path):
+    flags = "--force-device-scale-factor=2", "--window-size=700,500"
+    with (
+        chromium(*flags) as browser,
+        served(tmp_path, "flat-mirror") as viewer,
+        tab_of(browser, viewer, viewport=None, no_viewport=True) as tab,
+    ):
+        width, height = tab.page.evaluate("[window.innerWidth, window.innerHeight]")
+        report = tab.wait_until(lambda report: report["size"] == [width, height])
+        assert report["full"][1] == 2 * (height - 24)
+        wait_until(lambda: tab.page.evaluate("document.querySelector('img').naturalWidth") == 2 * width, "its pixels")

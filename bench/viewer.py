@@ -129,7 +129,10 @@ def use(tab: Tab, viewer: Served, minutes: float) -> None:
     started, said = time.monotonic(), 0.0
     while (passed := time.monotonic() - started) < 60.0 * minutes:
         if passed >= said:
-            print(f"{passed / 60.0:5.1f} min: {memory(viewer.process.pid):7.1f} MiB, {tab.report()['frames']} frames", flush=True)
+            print(
+                f"{passed / 60.0:5.1f} min: {memory(viewer.process.pid):7.1f} MiB, {tab.report()['frames']} frames",
+                flush=True,
+            )
             said += 60.0
         act(tab, chance)
 
@@ -161,7 +164,11 @@ def act(tab: Tab, chance: random.Random) -> None:
     elif kind == 7:
         tab.click(chance.uniform(0.4, 0.9) * width, chance.uniform(0.2, 0.8) * height)
     elif kind == 8:
-        page.set_viewport_size(chance.choice([{"width": 1076, "height": 624}, {"width": 1280, "height": 720}, {"width": 900, "height": 700}]))
+        page.set_viewport_size(
+            chance.choice(
+                [{"width": 1076, "height": 624}, {"width": 1280, "height": 720}, {"width": 900, "height": 700}]
+            )
+        )
     elif chance.random() < 0.3:
         page.reload()
         tab.wait_for_picture()

@@ -15,6 +15,7 @@ from anamorph.methods import METHODS, parse
 from anamorph.scene import builtin
 from anamorph.scene.camera import Camera
 from anamorph.scene.model import Glass, Scene
+from anamorph.viewer.controls import scene_controls
 from anamorph.viewer.facts import Facts, Figures, Inspection, Progress, Request, Stop
 from anamorph.viewer.home import first_observer
 from anamorph.viewer.panel_methods import DRAWINGS, LAYERS, RESOLUTIONS, SAMPLES, UNITS, specification
@@ -114,7 +115,7 @@ def test_looking_on_from_outside_and_back(opened, scene) -> None:
     assert pressed(stage, "eye/observer") == start
 
 
-def test_a_slider_sets_its_control_and_its_sign_sets_it_back(opened) -> None:
+def test_a_slider_sets_its_control_and_its_sign_sets_it_back(opened, scene) -> None:
     stage = opened()
     start = stage.state
     assert "mirror/swivel/reset" not in stage.drawn.rectangles
@@ -122,7 +123,8 @@ def test_a_slider_sets_its_control_and_its_sign_sets_it_back(opened) -> None:
     assert stage.state == replace(start, values=stage.state.values)
     assert set(stage.state.values) == {"mirror/swivel"}
     assert stage.state.values["mirror/swivel"] == pytest.approx(22.5, abs=2.0)
-    assert stage.state.values["mirror/swivel"] % 0.5 == 0.0
+    steps = stage.state.values["mirror/swivel"] / scene_controls(scene)[0].step
+    assert steps == pytest.approx(round(steps), abs=1e-6)
     stage.drag("mirror/tilt", 0.5, -3.0)
     assert stage.state.values["mirror/tilt"] == -45.0
     assert pressed(stage, "mirror/swivel/reset").values == {"mirror/tilt": -45.0}
@@ -294,7 +296,7 @@ def test_a_very_long_name_and_message_leave_room_for_the_rest(opened, scene) -> 
     stage = opened((640, 480), of=named, told={"message": "w" * 6000})
     found = stage.drawn.rectangles
     _, top, _, bottom = found["panel/body"]
-    assert bottom - top > 250.0
+    assert bottom - top > 250.0 and inside(found["panel/body"], found["panel"])
     assert inside(found["notice"], (0.0, 0.0, 640.0, 480.0)) and not overlap(found["notice"], found["panel"])
     assert inside(found["help/show"], found["panel"]) and inside(found["message/close"], found["notice"])
 
@@ -303,7 +305,7 @@ def test_a_scene_without_controls_says_so(opened, scene) -> None:
     plain = replace(scene, meshes=tuple(mesh for mesh in scene.meshes if not mesh.specular))
     stage = opened(of=plain)
     assert not any(key.startswith("part/") for key in stage.drawn.rectangles)
-    assert "eye/x" in stage.drawn.rectangles and "reset" not in stage.drawn.rectangles
+    assert {"eye/x", "scene/empty"} <= set(stage.drawn.rectangles) and "reset" not in stage.drawn.rectangles
 
 
 def test_only_the_first_of_many_parts_is_unfolded(opened) -> None:
@@ -338,7 +340,15 @@ def test_a_specification_says_what_differs_and_reads_back(name) -> None:
 
 @pytest.mark.parametrize(
     ("value", "text"),
-    [(None, "\N{EN DASH}"), (0.0, "0.000"), (0.04321, "0.043"), (1.0, "1.00"), (12.34, "12.3"), (1234.5, "1234")],
+    [
+        (None, "\N{EN DASH}"),
+        (0.0, "0.000"),
+        (0.04321, "0.043"),
+        (1.0, "1.00"),
+        (12.34, "12.3"),
+        (123.4, "123"),
+        (1234.5, "1234"),
+    ],
 )
 def test_figures_have_three_digits(value, text) -> None:
     assert figure(value) == text

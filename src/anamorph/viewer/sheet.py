@@ -131,9 +131,9 @@ def sign(sheet: Sheet, key: str, drawn: str, summary: str) -> bool:
         lines.path_stroke(color, 1.5)
         # The head lies along the arc's tangent, against its run.
         left, top = x + r * bend[0], y + r * bend[1]
-        tipped = (left + 5.0 * bend[1], top - 5.0 * bend[0])
+        head = (left + 5.0 * bend[1], top - 5.0 * bend[0])
         inner, outer = ((left + part * bend[0], top + part * bend[1]) for part in (-3.0, 3.0))
-        lines.add_triangle_filled(tipped, inner, outer, color)
+        lines.add_triangle_filled(head, inner, outer, color)
     elif drawn == "close":
         lines.add_line((x - r, y - r), (x + r, y + r), color, 1.5)
         lines.add_line((x - r, y + r), (x + r, y - r), color, 1.5)

@@ -90,7 +90,7 @@ def test_a_comparison_in_steps_is_the_comparison():
             break
     assert yielded == told
     assert [done for done, _, _ in told] == sorted(done for done, _, _ in told)
-    assert {total for _, total, _ in told} == {told[-1][0]}
+    assert {total for _, total, _ in told} == {told[-1][0]} and {done for done, _, _ in told} == set(range(6))
     # More steps than methods: nothing waits for all rounds of timing.
     assert len({what for _, _, what in told}) >= 8
 
@@ -191,6 +191,8 @@ def test_a_series_holds_each_frame_as_render_draws_it(tmp_path):
         drawn = render(scene, "pervertex", camera=camera, size=SIZE, samples=2)
         assert np.array_equal(pictures[-1], np.round(255 * encode_srgb(drawn.color)).astype(np.uint8))
     assert len({picture.tobytes() for picture in pictures}) == 5
+    plain = render(scene, "pervertex", camera=path[-1], size=SIZE)
+    assert np.mean(pictures[-1]) == pytest.approx(255 * np.mean(encode_srgb(plain.color)), abs=3.0)
     assert len(list((tmp_path / "series").iterdir())) == 5
 
 

@@ -105,3 +105,15 @@ def test_a_camera_and_its_eye_agree_on_the_picture():
     x, y, w = camera.eye(SIZE).picture(camera.position + depths * camera.directions(pixels, SIZE)).T
     assert np.stack([x / w, y / w], axis=-1) == pytest.approx(pixels, abs=1e-9)
     assert w == pytest.approx(depths[:, 0] * (camera.directions(pixels, SIZE) @ camera.axes()[2]))
+
+
+@settings(max_examples=40, deadline=None)
+@given(SEEDS, st.integers(1, 30), st.integers(1, 30), st.floats(1.0, 170.0))
+def test_all_pixels_at_once_look_where_each_does(seed, width, height, field):
+    generator = np.random.default_rng(seed)
+    position, target, up = generator.normal(size=(3, 3))
+    camera = Camera(tuple(position), tuple(target), tuple(up), field)
+    shift = tuple(generator.uniform(-0.5, 0.5, 2))
+    pixels = np.stack(np.meshgrid(np.arange(width), np.arange(height)), axis=-1) + 0.5 + shift
+    directions = camera.pixel_directions((width, height), shift)
+    assert directions == pytest.approx(camera.directions(pixels, (width, height)), abs=1e-14)

@@ -101,6 +101,28 @@ def test_a_built_in_scene_can_be_changed(tmp_path: Path) -> None:
     assert np.allclose(lens.surface.position(lens.parameters), lens.positions, atol=1e-5)
 
 
+def test_parts_are_turned_moved_and_bent_where_they_stand(folder: Path) -> None:
+    text = EYE + "[[model]]\nfile = 'cabinet.obj'\nscale = 0.001\nrotate = [-90, 0, 0]\n"
+    text += "[[part]]\nname = '*'\nturn = [90, 0, 0]\nmove = [0, 0, 0.5]\n"
+    scene, _ = load_scene_file(write(folder, text))
+    # Both face +z: each turns about its own middle to face +x, and moves along what was its normal.
+    for mesh, middle in zip(scene.meshes, ([0.0, 1.55, 0.52], [0.0, 1.0, 0.5]), strict=True):
+        np.testing.assert_allclose(mesh.normals, [[1.0, 0.0, 0.0]] * 4, atol=1e-6)
+        np.testing.assert_allclose(mesh.positions.mean(axis=0), middle, atol=1e-6)
+    text = "builtin = 'flat-mirror'\n[[part]]\nname = 'mirror'\ncurvature = -0.25\nreflectance = 0.5\n"
+    mirror = next(mesh for mesh in load_scene_file(write(folder, text))[0].meshes if mesh.specular)
+    assert isinstance(mirror.surface, Sphere) and mirror.surface.radius == pytest.approx(4.0)
+    assert isinstance(mirror.material, Mirror) and mirror.material.reflectance == 0.5
+
+
+def test_a_lens_is_one_part_under_the_name_its_faces_share(folder: Path) -> None:
+    text = "builtin = 'spectacles-plus'\n[[part]]\nname = 'lens'\npower = 4\nindex = 1.5\nmove = [0, 0, 0.01]\n"
+    before, (after, _) = builtin.make("spectacles-plus"), load_scene_file(write(folder, text))
+    for old, new in zip(before.meshes, after.meshes, strict=True):
+        assert (not np.array_equal(old.positions, new.positions)) == old.name.startswith("lens/")
+        assert not isinstance(new.material, Glass) or new.material.index == 1.5
+
+
 def test_parts_can_be_removed_and_get_names_of_their_own(folder: Path) -> None:
     model = '[[model]]\nfile = "cabinet.obj"\n'
     scene, _ = load_scene_file(write(folder, EYE + model + model + '[[part]]\nname = "wall*"\nremove = true\n'))
@@ -136,6 +158,12 @@ def test_parts_can_be_removed_and_get_names_of_their_own(folder: Path) -> None:
         (EYE + "[[part]]\nname = 'door'\nmirror = { reflectance = 1.2 }\n", 6, ["reflectance", "from 0 to 1"]),
         (EYE + "[[part]]\nname = 'door'\nmirror = {}\nglass = {}\n", 7, ["mirror and glass"]),
         (EYE + "[[part]]\nname = 'door'\n[part.glass]\nindex = -1\n", 7, ["index"]),
+        (EYE + "[[part]]\nname = 'door'\nturn = [1, 2]\n", 6, ["turn", "three numbers"]),
+        (EYE + "[[part]]\nname = 'door'\nmove = 3\n", 6, ["move", "three numbers"]),
+        (EYE + "[[part]]\nname = 'door'\ncurvature = 'flat'\n", 6, ["curvature", "a number"]),
+        (EYE + "[[part]]\nname = 'door'\ncurvature = 0.5\n", 6, ["'door'", "is 0 mirrors"]),
+        (EYE + "[[part]]\nname = 'door'\nturn = [0, 9, 0]\npower = 1\n", 6, ["'door'", "is no lens"]),
+        (EYE + "[[part]]\nname = 'door'\nindex = 1.5\n", 6, ["'door'", "no index"]),
         (EYE + "[[light]]\nkind = 'spot'\n", 5, ["'spot'", "point"]),
         (EYE + "[[light]]\nkind = 'directional'\n", 4, ["needs the key 'toward'"]),
         (EYE + "[[light]]\nkind='ambient'\n[[light]]\nkind='directional'\ntoward=[0,0,0]\n", 8, ["toward"]),

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-import numpy as np
 import pytest
 from scenes import CAMERA, scene_with, spherical_mirror
 
@@ -12,10 +11,10 @@ from anamorph.methods import METHODS
 from anamorph.methods.protocol import Method
 from anamorph.scene import builtin
 from anamorph.scene.camera import Camera
-from anamorph.scene.model import Scene
 from anamorph.viewer.facts import Request
-from anamorph.viewer.home import Home, first_observer, reset_view
+from anamorph.viewer.home import Home, reset_view
 from anamorph.viewer.navigation import orbit, zoom
+from anamorph.viewer.observer import first_observer
 from anamorph.viewer.shortcuts import NEARER, SHORTCUTS, TURN, press
 from anamorph.viewer.state import Drawing, EyeSide, Half, Layer, State
 
@@ -152,24 +151,6 @@ def test_from_outside_keys_move_the_observer():
     outside = after("o", state=MOVED)
     assert outside == replace(MOVED, observer=first_observer(HOME.scene, MOVED.camera))
     assert after("ArrowLeft", state=outside) == replace(outside, observer=orbit(outside.observer, -TURN, 0.0))
-
-
-@pytest.mark.parametrize("name", [*builtin.names(), "empty"])
-def test_an_observer_sees_eye_and_mirror_from_aside_and_above(name):
-    scene = Scene("empty", (), CAMERA) if name == "empty" else builtin.make(name)
-    observer = first_observer(scene, scene.camera)
-    size = (600, 600)
-    points = np.array([scene.camera.position, np.add(scene.camera.position, scene.camera.axes()[2] * 1e-3)])
-    x, y, depth = observer.picture(points, size).T
-    assert (depth > 0.0).all() and (np.abs(np.stack([x, y]) / depth - 300.0) < 300.0).all()
-    aside = np.subtract(observer.position, observer.target)
-    right, up, _ = scene.camera.axes()
-    assert up @ aside > 0.0 and abs(right @ aside) > 0.3 * np.linalg.norm(aside)
-    specular = [mesh for mesh in scene.meshes if mesh.specular]
-    if specular:
-        seen = [observer.picture(mesh.positions, size) for mesh in specular]
-        inside = [(np.abs(each[:, :2] / each[:, 2:] - 300.0) < 300.0).all() and (each[:, 2] > 0).all() for each in seen]
-        assert any(inside), "all of the mirror that is looked at"
 
 
 def test_no_two_shortcuts_share_a_key_and_each_does_something():

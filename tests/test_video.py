@@ -10,7 +10,7 @@ import pytest
 from PIL import Image, ImageSequence
 
 from anamorph.errors import AnamorphError
-from anamorph.video import LARGEST, check_video, video
+from anamorph.video import LARGEST, QUALITY, check_video, video
 
 SIZE = (49, 31)
 
@@ -91,6 +91,8 @@ def test_a_webm_file_says_what_it_holds_and_where(tmp_path):
         # The frame tag of RFC 6386, section 9.1: a key frame, its start code, and its size.
         assert block[4] & 1 == 0 and block[7:10] == b"\x9d\x01\x2a"
         assert tuple(np.frombuffer(block[10:14], "<u2") & 0x3FFF) == SIZE
+        Image.fromarray(pixels).save(tmp_path / "whole.webp", quality=QUALITY)
+        assert riff(block[4:]) == (tmp_path / "whole.webp").read_bytes()
         (tmp_path / "frame.webp").write_bytes(riff(block[4:]))
         with Image.open(tmp_path / "frame.webp") as image:
             assert np.abs(np.asarray(image.convert("RGB")).astype(int) - pixels).mean() < 2.0
@@ -150,6 +152,19 @@ def test_a_name_that_cannot_be_written_is_refused_at_once(tmp_path, name):
         with pytest.raises(AnamorphError, match=r"^[^\n]*(choose|end the name|make it first|give a new)[^\n]*$"):
             attempt()
     assert sorted(tmp_path.rglob("*")) == before
+
+
+@pytest.mark.parametrize("rate", [0.0, -30.0, np.nan, np.inf])
+def test_a_rate_of_no_sense_is_refused(tmp_path, rate):
+    with pytest.raises(AnamorphError, match="frames a second; give 1 to 120"):
+        video(tmp_path / "a.webm", SIZE, rate)
+
+
+def test_an_animation_longer_than_its_count_of_bytes_is_refused(tmp_path, monkeypatch):
+    monkeypatch.setattr("anamorph.video.LONGEST", 2000)
+    with pytest.raises(AnamorphError, match=r"too long for a WebP file at frame \d+; give a \.webm file"):
+        write(tmp_path / "a.webp", frames(3) * 30)
+    assert not list(tmp_path.iterdir())
 
 
 def test_a_video_too_large_for_its_format_is_refused(tmp_path):

@@ -95,7 +95,7 @@ def test_a_hits_mirror_image_stands_behind_its_crossing_of_wires():
 @pytest.mark.parametrize("radius", [1.4, -1.4])
 @pytest.mark.parametrize("distance", [0.4, 1.0])
 def test_a_small_spherical_mirrors_viewpoint_is_the_paraxial_image(radius, distance):
-    eye = Camera((CENTER + [0.0, 0.0, distance]).tolist(), CENTER.tolist(), field_of_view=4.0)
+    eye = Camera(np.add(CENTER, (0.0, 0.0, distance)).tolist(), CENTER.tolist(), field_of_view=4.0)
     space, (seen,) = seen_in(scene_with(spherical_mirror(radius, 4, (0.005, 0.005)), camera=eye))
     (plan,) = seen.plans
     # 1 / image = 1 / distance + 2 / radius, behind the mirror.
@@ -103,9 +103,10 @@ def test_a_small_spherical_mirrors_viewpoint_is_the_paraxial_image(radius, dista
     assert viewpoint_of(plan, space.world.diagonal) == pytest.approx(CENTER - [0.0, 0.0, image], rel=2e-3, abs=2e-3)
 
 
-def test_a_viewpoint_at_infinity_is_no_dot_and_leaves_parallel_lines():
+@pytest.mark.parametrize("distance", [0.7, 0.6998])
+def test_a_viewpoint_at_infinity_or_nearly_so_is_no_dot_and_leaves_parallel_lines(distance):
     # From the focus of a concave mirror rays run on as parallels.
-    eye = Camera((CENTER + [0.0, 0.0, 0.7]).tolist(), CENTER.tolist(), field_of_view=4.0)
+    eye = Camera(np.add(CENTER, (0.0, 0.0, distance)).tolist(), CENTER.tolist(), field_of_view=4.0)
     space, (seen,) = seen_in(scene_with(spherical_mirror(-1.4, 4, (0.001, 0.001)), camera=eye))
     assert viewpoint_of(seen.plans[0], space.world.diagonal) is None
     marks = viewpoint_marks(seen, space.world.diagonal)

@@ -265,6 +265,15 @@ def test_a_file_that_does_more_than_keep_a_view_opens_with_its_changes_made(tmp_
         assert state_of(opened).split == ("split" in text)
 
 
+def test_a_name_that_is_also_a_pattern_is_none_of_a_view(tmp_path: Path) -> None:
+    renamed = 'builtin = "spheres"\n[[part]]\nname = "mirror-ball"\nrename = "mirror*"\n'
+    (tmp_path / "base.toml").write_text(renamed)
+    for pattern, parts in (("mirror*", set()), ("mirror[*]", {"mirror*"})):
+        view = f'base = "base.toml"\n[[part]]\nname = "{pattern}"\nturn = [1, 0, 0]\n[view]\n'
+        (tmp_path / "view.toml").write_text(view)
+        assert set(open_view(tmp_path / "view.toml").edits) == parts
+
+
 @pytest.mark.parametrize(
     ("text", "line", "words"),
     [
@@ -332,3 +341,23 @@ def test_a_base_that_cannot_be_started_from_is_named(tmp_path: Path, text: str, 
         state_of(open_view(tmp_path / "view.toml"))
     assert str(tmp_path) in str(caught.value) and "\n" not in str(caught.value)
     assert all(word in str(caught.value) for word in words), str(caught.value)
+
+
+DOCUMENT = Path(__file__).resolve().parents[1] / "docs" / "scene-file.md"
+
+
+def test_the_documented_view_opens_and_every_key_is_documented(tmp_path: Path) -> None:
+    text = DOCUMENT.read_text().split("## `[view]`")[1]
+    (tmp_path / "view.toml").write_text(text.split("```toml\n")[1].split("```")[0])
+    state = state_of(open_view(tmp_path / "view.toml"))
+    assert (state.split, state.divider, state.values) == (True, 0.6, {"mirror/swivel": 3.0})
+    observed = replace(state, observer=state.camera, picked=(0.5, 0.5))
+    assert [key for key in view_of(observed) if f"`{key}`" not in text] == []
+
+
+def test_a_scene_is_drawn_as_its_base_wants_unless_it_says_otherwise(tmp_path: Path) -> None:
+    (tmp_path / "base.toml").write_text('builtin = "flat-mirror"\nsize = [30, 20]\nmethod = "environment"\n')
+    (tmp_path / "on.toml").write_text('base = "base.toml"\n')
+    (tmp_path / "own.toml").write_text('base = "base.toml"\nsize = [8, 9]\nmethod = "raytrace"\n')
+    assert open_scene(tmp_path / "on.toml")[1] == Settings((30, 20), "environment")
+    assert open_scene(tmp_path / "own.toml")[1] == Settings((8, 9), "raytrace")

@@ -24,6 +24,12 @@ VIDEOS = (".webm", ".webp")
 LARGEST = 16383
 """Pixels along a side that VP8 can number."""
 
+LONGEST = 2**32 - 2**24
+"""Bytes of an animated WebP file, which counts them in 32 bits, with room for one more frame."""
+
+RATES = (1.0, 120.0)
+"""Frames a second."""
+
 AddFrame = Callable[[np.ndarray], None]
 """Takes the next frame: 8-bit sRGB pixels (H, W, 3), all of one size."""
 
@@ -56,6 +62,8 @@ def video(path: str | Path, size: tuple[int, int], rate: float) -> AbstractConte
     """
     path = Path(path)
     check_video(path, size)
+    if not RATES[0] <= rate <= RATES[1]:
+        raise AnamorphError(f"{path}: {rate:g} frames a second; give {RATES[0]:g} to {RATES[1]:g}")
     kinds = {".webm": _webm, ".webp": _animated_webp}
     return kinds[path.suffix.lower()](path, size, rate) if path.suffix else _series(path)
 
@@ -101,6 +109,8 @@ def _animated_webp(path: Path, size: tuple[int, int], rate: float) -> Iterator[A
 
         def add(pixels: np.ndarray) -> None:
             nonlocal count
+            if file.tell() > LONGEST:
+                raise AnamorphError(f"{path}: is too long for a WebP file at frame {count + 1}; give a .webm file")
             shown = _time(count + 1, rate) - _time(count, rate)
             count += 1
             heading = bytes(6) + extent + shown.to_bytes(3, "little") + b"\x02"

@@ -7,7 +7,7 @@ from typing import Any
 
 import wgpu
 
-from anamorph.gpu.device import get_device
+from anamorph.gpu.device import get_device, once
 
 UNIFORM: dict[str, Any] = {"buffer": {"type": "uniform"}}
 STORAGE: dict[str, Any] = {"buffer": {"type": "read-only-storage"}}
@@ -20,9 +20,9 @@ def texture(view: str = "2d", filterable: bool = True) -> dict[str, Any]:
 
 
 def layout_of(*entries: dict[str, Any], stages: int = wgpu.ShaderStage.FRAGMENT) -> wgpu.GPUBindGroupLayout:
-    """A layout with bindings 0, 1, ... for `stages`."""
+    """A layout with bindings 0, 1, ... for `stages`; whoever asks for the same gets the same."""
     numbered = [{"binding": number, "visibility": stages, **entry} for number, entry in enumerate(entries)]
-    return get_device().create_bind_group_layout(entries=numbered)
+    return once(f"layout {numbered}", lambda: get_device().create_bind_group_layout(entries=numbered))
 
 
 def bind(layout: wgpu.GPUBindGroupLayout, resources: Sequence[Any]) -> wgpu.GPUBindGroup:

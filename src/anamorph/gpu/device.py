@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import tempfile
-from collections.abc import Callable
+from collections.abc import Callable, Hashable
 from functools import lru_cache
 from typing import Any, ParamSpec, TypeVar
 
@@ -22,6 +22,8 @@ _LIMITS = (
     "max-buffer-size",
     "max-storage-buffer-binding-size",
 )
+_FEATURES = ("timestamp-query",)
+"""What is asked for wherever the adapter has it; nothing depends on it."""
 
 
 _Given = ParamSpec("_Given")
@@ -43,6 +45,19 @@ def of_device_last(count: int | None) -> Callable[[Callable[_Given, _Made]], Cal
         return remembered  # type: ignore[return-value]
 
     return remembering
+
+
+@of_device
+def _made() -> dict[Hashable, Any]:
+    return {}
+
+
+def once(key: Hashable, make: Callable[[], Any]) -> Any:
+    """What `make` makes on the device, or has made before under the same key, which must say all about it."""
+    made = _made()
+    if key not in made:
+        made[key] = make()
+    return made[key]
 
 
 @of_device
@@ -70,7 +85,8 @@ def get_device() -> wgpu.GPUDevice:
     adapter = get_adapter()
     limits = {name: adapter.limits[name] for name in _LIMITS}
     try:
-        return adapter.request_device_sync(required_limits=limits)
+        features = [name for name in _FEATURES if name in adapter.features]
+        return adapter.request_device_sync(required_limits=limits, required_features=features)
     except RuntimeError as error:
         raise AnamorphError(f"adapter {adapter_name()}: it gives no device ({str(error).splitlines()[0]})") from error
 

@@ -12,11 +12,12 @@ import wgpu
 
 from anamorph.gpu.bindings import UNIFORM, bind, layout_of
 from anamorph.gpu.buffers import VERTEX_LAYOUT, SceneBuffers, shading_layout
-from anamorph.gpu.device import get_device, of_device
+from anamorph.gpu.device import get_device, of_device, once
 from anamorph.gpu.targets import COLOR_FORMAT, DEPTH_FORMAT, MAP_FORMATS, SEEN_FORMATS
 from anamorph.projection import UNIFORM_BYTES, Projection
 
 
+@of_device
 def shader_module(*names: str) -> wgpu.GPUShaderModule:
     """Whole WGSL files of the package joined end to end, shading.wgsl and scene.wgsl first."""
     root = resources.files("anamorph")
@@ -66,26 +67,34 @@ def make_pipeline(
     mirrored: bool = False,
     constants: dict[str, float] | None = None,
 ) -> wgpu.GPURenderPipeline:
-    """A pipeline that binds shading, projection, and then `groups`; `constants` set the shader's overrides."""
-    device = get_device()
+    """A pipeline that binds shading, projection, and then `groups`; `constants` set the shader's overrides.
+
+    It is compiled once: a session that is opened anew for another scene finds what the one before it has left.
+    """
     layouts = [shading_layout(), projection_layout(), *groups]
-    return device.create_render_pipeline(
-        layout=device.create_pipeline_layout(bind_group_layouts=layouts),
-        vertex={"module": module, "entry_point": vertex, "buffers": list(buffers), "constants": constants or {}},
-        fragment={
-            "module": module,
+    stage = {"constants": constants or {}}
+    description: dict[str, dict[str, Any]] = {
+        "vertex": {"entry_point": vertex, "buffers": list(buffers), **stage},
+        "fragment": {
             "entry_point": fragment,
-            "constants": constants or {},
+            **stage,
             "targets": [{"format": form, "write_mask": write_mask} for form in formats],
         },
-        primitive={"topology": topology, "cull_mode": cull, "front_face": "cw" if mirrored else "ccw"},
-        depth_stencil={
+        "primitive": {"topology": topology, "cull_mode": cull, "front_face": "cw" if mirrored else "ccw"},
+        "depth_stencil": {
             "format": DEPTH_FORMAT,
             "depth_write_enabled": depth_write,
             "depth_compare": depth_compare,
         },
-        multisample={"count": samples},
-    )
+        "multisample": {"count": samples},
+    }
+
+    def make() -> wgpu.GPURenderPipeline:
+        layout = get_device().create_pipeline_layout(bind_group_layouts=layouts)
+        stages = {name: {"module": module, **description[name]} for name in ("vertex", "fragment")}
+        return get_device().create_render_pipeline(layout=layout, **(description | stages))
+
+    return once(("pipeline", str(description), module, *layouts), make)
 
 
 @dataclass(frozen=True, eq=False)

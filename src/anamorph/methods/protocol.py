@@ -6,7 +6,7 @@ name, and a line in `methods/__init__.py`. The command line, the comparison and 
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any, Protocol
 
@@ -47,6 +47,15 @@ class Session(Protocol):
 
     def frame(self, seen: bool = False) -> Frame:
         """Read the last frame back; its seen buffers, if asked for, are drawn in passes of their own."""
+        ...
+
+    def phases(self) -> Mapping[str, float]:
+        """Where a frame's time goes, milliseconds by phase; empty before the first frame.
+
+        Of the last draw, one after the other on the processor: "prepare" (rays, and maps planned), "record" (passes
+        recorded and submitted) and "mend" (what the method does once it is drawn, the device's part included). Beside
+        them "device": what the device needed for the last frame that was waited for, where it tells.
+        """
         ...
 
 

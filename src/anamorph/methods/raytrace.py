@@ -153,8 +153,7 @@ class TracedDrawing:
         width, height = self._stage.view.size
         origin, direction = np.zeros((2, height, width, 3), np.float32)
         if isinstance(camera, Camera):
-            x, y = np.meshgrid(np.arange(width) + 0.5 + shift[0], np.arange(height) + 0.5 + shift[1])
-            direction[:] = camera.directions(np.stack([x, y], axis=-1), (width, height))
+            direction[:] = camera.pixel_directions((width, height), shift)
             origin[:] = camera.position
         if self._records is not None:
             (x0, y0, x1, y1), records = self._records

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
+from time import perf_counter
 from typing import Any, Protocol
 
 import numpy as np
@@ -26,6 +27,7 @@ from anamorph.gpu.drawing import (
     wait,
 )
 from anamorph.gpu.targets import COLOR_FORMAT, SEEN_FORMATS, Target, begin_pass, make_target, read_texture
+from anamorph.gpu.timing import device_timer
 from anamorph.projection import camera_projection
 from anamorph.raymesh import RayMesh
 from anamorph.scene.camera import Camera
@@ -142,6 +144,8 @@ class DrawingSession:
         self._drawing = drawing
         self._target = make_target(stage.view.size, (COLOR_FORMAT,), antialias)
         self._pipelines = color_pipelines(antialias)
+        self._timer = device_timer()
+        self._phases: dict[str, float] = {}
 
     @property
     def texture(self) -> wgpu.GPUTexture:
@@ -150,18 +154,30 @@ class DrawingSession:
 
     def draw(self, camera: Camera | RayMesh, shift: tuple[float, float] = (0.0, 0.0)) -> None:
         """Submit one frame."""
-        stage = self._stage
+        stage, began = self._stage, perf_counter()
         stage.look(camera, shift)
         encoder = get_device().create_command_encoder()
+        if self._timer is not None:
+            self._timer.begin(encoder)
         self._drawing.prepare(encoder, camera, shift)
+        prepared = perf_counter()
         render_pass = begin_pass(encoder, self._target)
         # What stands behind a mirror need not be shaded: the mirror comes first.
         bind_scene(render_pass, stage.buffers, stage.projection)
         self._drawing.draw_color(render_pass)
         self._draw_scene(render_pass, self._pipelines)
         render_pass.end()
+        if self._timer is not None:
+            self._timer.end(encoder)
         submit(encoder)
+        recorded = perf_counter()
         self._drawing.complete(self._target, camera, shift)
+        spent = {"prepare": prepared - began, "record": recorded - prepared, "mend": perf_counter() - recorded}
+        self._phases |= {phase: 1000.0 * seconds for phase, seconds in spent.items()}
+
+    def phases(self) -> Mapping[str, float]:
+        """Where a frame's time goes."""
+        return dict(self._phases)
 
     def _draw_scene(self, render_pass: wgpu.GPURenderPassEncoder, pipelines: ScenePipelines) -> None:
         if self._stage.pinhole:
@@ -175,7 +191,12 @@ class DrawingSession:
 
     def wait(self) -> None:
         """Return when every submitted frame is finished."""
-        wait()
+        if self._timer is None:
+            wait()
+            return
+        milliseconds = self._timer.wait()
+        if milliseconds is not None:
+            self._phases["device"] = milliseconds
 
     def frame(self, seen: bool = False) -> Frame:
         """Read the last frame back."""

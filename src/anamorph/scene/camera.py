@@ -77,13 +77,29 @@ class Camera:
         -------
         (..., 3) float64
         """
-        width, height = size
-        scale = 2.0 * np.tan(np.radians(self.field_of_view) / 2.0) / height
         right, up, forward = self.axes()
-        x = (np.asarray(pixels)[..., 0] - width / 2.0) * scale
-        y = (height / 2.0 - np.asarray(pixels)[..., 1]) * scale
+        x, y = self._slopes(np.asarray(pixels)[..., 0], np.asarray(pixels)[..., 1], size)
         directions = x[..., None] * right + y[..., None] * up + forward
         return directions / np.linalg.norm(directions, axis=-1, keepdims=True)
+
+    def pixel_directions(self, size: tuple[int, int], shift: tuple[float, float] = (0.0, 0.0)) -> np.ndarray:
+        """Unit ray directions through the centres of all pixels, moved right and down by `shift`, (H, W, 3) float64.
+
+        They are those that `directions` gives, and take a fraction of the time.
+        """
+        width, height = size
+        right, up, forward = self.axes()
+        x, y = self._slopes(np.arange(width) + 0.5 + shift[0], np.arange(height) + 0.5 + shift[1], size)
+        directions = x[:, None] * right + (y[:, None] * up + forward)[:, None]
+        # The axes are perpendicular, so that lengths need no sums over coordinates.
+        directions *= (1.0 / np.sqrt(1.0 + x**2 + (y**2)[:, None]))[..., None]
+        return directions
+
+    def _slopes(self, x: np.ndarray, y: np.ndarray, size: tuple[int, int]) -> tuple[np.ndarray, np.ndarray]:
+        """How far right and up of the forward axis picture points are, one unit ahead."""
+        width, height = size
+        scale = 2.0 * np.tan(np.radians(self.field_of_view) / 2.0) / height
+        return (x - width / 2.0) * scale, (height / 2.0 - y) * scale
 
     def eye(self, size: tuple[int, int]) -> Eye:
         """This camera as an eye that sees a picture of `size` (width, height); w is the depth in metres."""

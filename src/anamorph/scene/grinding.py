@@ -38,6 +38,12 @@ STRONGEST = 20.0
 COMFORTABLE = 0.75
 """The share of the radius that a control lets the back's edge reach from its axis."""
 
+USUAL = (1.3, 2.0)
+"""Indices of what lenses are made of, from water to the densest glass."""
+
+MOST_FOCUSED = 0.95
+"""How much of the way to its front's focus a lens may be thick."""
+
 LEAST_BENDING = 1e-3
 """How far an index must be from that of air for its glass to have a power."""
 
@@ -78,7 +84,7 @@ class Optics:
 
 
 def optics_of(front: Mesh, back: Mesh) -> Optics | None:
-    """What two faces do on their axis; None where they are not of planes, spheres, or centred toroids or aspheres."""
+    """What two faces do on their axis; None where that is no matter of curvatures."""
     outward = mean_normal((front,))
     if outward is None or not isinstance(front.material, Glass):
         return None
@@ -87,11 +93,14 @@ def optics_of(front: Mesh, back: Mesh) -> Optics | None:
     middle = box_middle((front,), upright_axes(outward, WORLD_UP))
     at = drop(front.surface, middle[None], outward)
     apex, axis = front.surface.position(at)[0], turned_normals(front.surface, at, outward[None])[0]
-    below = drop(back.surface, apex[None], axis)
+    # From a vertex near the axis, where no other side of the back's sphere is nearer.
+    heights = (np.asarray(back.positions, float) - apex) @ axis
+    aside = np.linalg.norm(back.positions - apex - np.outer(heights, axis), axis=1)
+    below = drop(back.surface, (apex + heights[aside.argmin()] * axis)[None], axis)
     if not (_centred(front.surface, at) and _centred(back.surface, below)):
         return None
     vertex, behind = back.surface.position(below)[0], turned_normals(back.surface, below, -axis[None])[0]
-    return Optics(
+    optics = Optics(
         axes=upright_axes(axis, WORLD_UP),
         vertex=vertex,
         behind=behind,
@@ -100,6 +109,8 @@ def optics_of(front: Mesh, back: Mesh) -> Optics | None:
         back=tuple(facing(back) * curvature for curvature in own_curvatures(back.surface)),
         index=front.material.index,
     )
+    # Where the front focuses light inside the glass, no back has a power.
+    return optics if optics.thickness / optics.index * (optics.index - 1.0) * optics.front[0] < MOST_FOCUSED else None
 
 
 def _centred(surface: Grindable, parameters: np.ndarray) -> bool:
@@ -112,11 +123,34 @@ def power_limits(front: Mesh, back: Mesh) -> tuple[float, float] | None:
     optics = optics_of(front, back)
     if optics is None or abs(optics.index - 1.0) < LEAST_BENDING:
         return None
-    steepest = COMFORTABLE / float(np.linalg.norm(_across(back, optics), axis=1).max())
-    span = abs(optics.index - 1.0) * steepest
+    span = abs(optics.index - 1.0) * COMFORTABLE / _reach(back, optics)
     at_front = optics.power - (optics.index - 1.0) * optics.back[0]
     low, high = max(at_front - span, -STRONGEST), min(at_front + span, STRONGEST)
     return min(low, optics.power), max(high, optics.power)
+
+
+def index_limits(front: Mesh, back: Mesh) -> tuple[float, float]:
+    """The least and the greatest index, of those that lenses are made of, with which the back can keep the power."""
+    optics = optics_of(front, back)
+    if optics is None:
+        return USUAL
+    steepest = max(COMFORTABLE / _reach(back, optics), *map(abs, optics.back))
+    low = high = optics.index
+    for step in (-1, 1):
+        for index in np.arange(1, 100) * 0.01 * step + round(optics.index, 2):
+            if not USUAL[0] - 1e-9 <= index <= USUAL[1] + 1e-9:
+                break
+            if not _is_reached(optics, float(index), steepest):
+                break
+            low, high = min(low, float(index)), max(high, float(index))
+    return low, high
+
+
+def _is_reached(optics: Optics, index: float, steepest: float) -> bool:
+    try:
+        return max(map(abs, _back_curvatures(optics, optics.power, index, optics.thickness))) <= steepest
+    except AnamorphError:
+        return False
 
 
 def ground(lens: Sequence[Mesh], power: float | None = None, index: float | None = None) -> tuple[Mesh, ...]:
@@ -144,7 +178,9 @@ def ground(lens: Sequence[Mesh], power: float | None = None, index: float | None
     name, optics = front.name.rpartition("/")[0], optics_of(front, back)
     if optics is None:
         if power is not None:
-            raise AnamorphError(f"lens '{name}': has faces without one exact radius on its axis; leave power out")
+            raise AnamorphError(
+                f"lens '{name}': has no exact radii on its axis, or focuses light inside; leave power out"
+            )
         return _of_index(lens, index)
     new_index = optics.index if index is None else index
     new_power = optics.power if power is None else power
@@ -161,16 +197,18 @@ def ground(lens: Sequence[Mesh], power: float | None = None, index: float | None
 
 
 def _faces(front: Mesh, back: Mesh, optics: Optics, power: float, index: float) -> tuple[Mesh, Mesh]:
-    assert isinstance(front.surface, Grindable) and isinstance(back.surface, Grindable)
+    assert isinstance(front.surface, Grindable) and back.surface is not None and back.parameters is not None
     across, axis, turn = _across(back, optics), optics.axes[2], _prism_turn(optics, index)
     points = optics.vertex + across @ optics.axes[:2]
-    ends = [surface.position(drop(surface, points, axis)) @ axis for surface in (front.surface, back.surface)]
+    above = points + optics.thickness * axis
+    ends = [
+        front.surface.position(drop(front.surface, above, axis)) @ axis,
+        back.surface.position(back.parameters) @ axis,
+    ]
     wanted = min(LEAST_EDGE, float((ends[0] - ends[1]).min()))
-    thickness = optics.thickness
+    thickness, reach = optics.thickness, _reach(back, optics)
     for _ in range(30):
-        first = (power - _arriving(optics.front[0], thickness, index)) / (index - 1.0)
-        curvatures = tuple(first + curvature - optics.back[0] for curvature in optics.back)
-        surface = _back(back, optics, curvatures, turn, float(np.linalg.norm(across, axis=1).max()))
+        surface = _back(back, optics, _back_curvatures(optics, power, index, thickness), turn, reach)
         parameters = drop(surface, points, axis)
         away, points = thickness - optics.thickness, surface.position(parameters)
         least = float((ends[0] + away - points @ axis).min())
@@ -204,6 +242,13 @@ def _back(back: Mesh, optics: Optics, curvatures: tuple[float, ...], turn: np.nd
     )
 
 
+def _back_curvatures(optics: Optics, power: float, index: float, thickness: float) -> tuple[float, ...]:
+    """What the back of a lens needs, 1/m, for another power, index and thickness, with the same cylinder."""
+    first = (power - _arriving(optics.front[0], thickness, index)) / (index - 1.0)
+    as_strong = (optics.index - 1.0) / (index - 1.0)
+    return tuple(first + as_strong * (curvature - optics.back[0]) for curvature in optics.back)
+
+
 def _arriving(curvature: float, thickness: float, index: float) -> float:
     """The vergence at the back, dioptres, of parallel light that a front of a curvature (1/m) has bent."""
     power = (index - 1.0) * curvature
@@ -231,6 +276,11 @@ def _across(back: Mesh, optics: Optics) -> np.ndarray:
     """Where the back's vertices are across the axis, (V, 2) float64, metres."""
     assert back.surface is not None and back.parameters is not None
     return (back.surface.position(back.parameters) - optics.vertex) @ optics.axes[:2].T
+
+
+def _reach(back: Mesh, optics: Optics) -> float:
+    """How far from the axis the back goes, metres."""
+    return float(np.linalg.norm(_across(back, optics), axis=1).max())
 
 
 def _follow(mesh: Mesh, before: Sequence[Mesh], after: Sequence[Mesh]) -> Mesh:

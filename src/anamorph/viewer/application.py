@@ -36,6 +36,9 @@ from anamorph.viewer.tasks import Shot, saving_of
 SETTLING = 3
 """Frames after the last event: imgui needs them to show what it brought about."""
 
+BEFORE_IMGUI = -100
+"""In the order of a canvas's handlers."""
+
 REST_DELAY = 0.15
 """Seconds without a change after which the picture is refined."""
 
@@ -67,14 +70,16 @@ class Viewer:
         self._saving: Saving | None = None
         self._progress: Progress | None = None
         self._surface = self._new_surface()
-        canvas.add_event_handler(self._place_pointer, "pointer_down", "pointer_up", order=-100)
-        canvas.add_event_handler(
-            self._on_pointer, "pointer_down", "pointer_move", "pointer_up", "wheel", "double_click"
-        )
-        canvas.add_event_handler(self._on_key, "key_down")
-        canvas.add_event_handler(self._on_any, "key_up", "char", "resize", "pointer_leave")
+        # Before imgui's own handlers: they keep events to themselves by what the pointer was over one event ago.
+        for handler, *types in (
+            (self._on_pointer, "pointer_down", "pointer_move", "pointer_up", "wheel", "double_click"),
+            (self._on_key, "key_down"),
+            (self._on_any, "key_up", "char", "resize", "pointer_leave"),
+        ):
+            canvas.add_event_handler(handler, *types, order=BEFORE_IMGUI)
         canvas.add_event_handler(self._on_close, "close")
         self.frames = 0
+        self._pressed_at = 0.0
         self.open(start)
         canvas.request_draw(self._draw)
 
@@ -111,10 +116,6 @@ class Viewer:
         surface.imgui.set_gui(self._draw_panel)
         return surface
 
-    def _place_pointer(self, event: dict[str, Any]) -> None:
-        """A press comes before the move that led to it, and imgui takes its place from moves alone."""
-        self._surface.imgui.backend.io.add_mouse_pos_event(event["x"], event["y"])
-
     def _on_any(self, event: dict[str, Any]) -> None:
         self.refresh()
 
@@ -123,6 +124,14 @@ class Viewer:
 
     def _on_pointer(self, event: dict[str, Any]) -> None:
         self.refresh()
+        if event["event_type"] == "pointer_down":
+            self._pressed_at = event.get("time_stamp", 0.0)
+        elif event.get("time_stamp", 0.0) < self._pressed_at and event["event_type"] == "pointer_move":
+            # A page holds moves back for a while, and sends presses at once.
+            event["stop_propagation"] = True
+            return
+        # A press comes before the move that led to it, and imgui takes its place from moves alone.
+        self._surface.imgui.backend.io.add_mouse_pos_event(event["x"], event["y"])
         follows = event["event_type"] in ("pointer_move", "pointer_up")
         covered = self._drawn.covered if self._drawn else ()
         if not follows and any(inside(event["x"], event["y"], area) for area in covered):
@@ -156,23 +165,27 @@ class Viewer:
 
     def _draw(self) -> None:
         """One frame: whatever is due, and then the canvas."""
+        # To ask a window for its texture on a lost device would end the process.
+        self._recover(device_lost())
         try:
             self._advance()
             self._paint()
         except wgpu.GPUError as error:
-            self._recover(error)
+            self.message = f"the graphics device failed: {' '.join(str(error).split())[:200]}"
+            self.close()
         self.frames += 1
         if self._settling > 0:
             self._settling -= 1
             self._canvas.request_draw()
 
-    def _recover(self, error: Exception) -> None:
-        """Go on with a new device where the old one is lost; else say what it refused."""
-        self.message = f"the graphics device failed: {' '.join(str(error).split())[:200]}"
-        if device_lost() is not None:
+    def _recover(self, lost: str | None) -> None:
+        """Go on with a new device where the old one is lost, with everything opened anew."""
+        if lost is not None:
+            self.close()
+            self._surface.close()
             forget_device()
             self._surface = self._new_surface()
-        self.close()
+            self.message = "the graphics device was lost; this is drawn with a new one"
 
     def _advance(self) -> None:
         """Draw what has moved; else take one step of what is to be done at rest."""

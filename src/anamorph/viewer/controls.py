@@ -21,7 +21,7 @@ from anamorph.scene.bending import bend_of
 from anamorph.scene.camera import Camera
 from anamorph.scene.checks import check_camera
 from anamorph.scene.editing import Edit, edit, lens_of
-from anamorph.scene.grinding import optics_of, power_limits
+from anamorph.scene.grinding import USUAL, index_limits, optics_of, power_limits
 from anamorph.scene.model import Glass, Mesh, Mirror, Scene
 from anamorph.scene.parts import specular_parts
 
@@ -36,8 +36,6 @@ WHATS = (*TURNS, *MOVES, *SHAPES)
 
 MOST_TURN = 45.0
 ROUND = (1.0, 2.0, 5.0, 10.0)
-INDICES = (1.3, 2.0)
-"""Of what lenses are made of, from water to the densest glass."""
 
 EYE = "eye"
 EYE_REACH = 4.0
@@ -254,7 +252,8 @@ def _shape_controls(name: str, meshes: list[Mesh], specular: list[Mesh]) -> list
             controls.append(_control(name, "power", "D", limits, optics.power, summary))
     glass = next((mesh.material for mesh in specular if isinstance(mesh.material, Glass)), None)
     if glass is not None:
-        limits = min(INDICES[0], glass.index), max(INDICES[1], glass.index)
+        low, high = USUAL if lens is None else index_limits(meshes[lens.front], meshes[lens.back])
+        limits = min(low, glass.index), max(high, glass.index)
         summary = "refractive index of the glass" + ("; the power stays" if lens is not None else "")
         controls.append(_control(name, "index", "", limits, glass.index, summary))
     return controls

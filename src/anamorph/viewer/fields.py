@@ -12,6 +12,9 @@ from anamorph.viewer import theme
 from anamorph.viewer.sheet import Sheet, field_width, sign, text_width, tip, wrapped
 from anamorph.viewer.wording import decimals, number_text
 
+MARK = 2.0
+"""Width of the mark at a slider's value."""
+
 
 @dataclass(frozen=True)
 class Choice:
@@ -78,7 +81,8 @@ def number(
     imgui.pop_style_color(3)
     sheet.mark(key)
     if not _typed_into(key):
-        _fill(_share(value, *ends, logarithmic))
+        nought = min(max(0.0, ends[0]), ends[1])
+        _fill(_share(nought, *ends, logarithmic), _share(value, *ends, logarithmic))
         _words(label, said)
     if not imgui.is_item_active():
         tip("\n".join(filter(None, (summary, _between(low, high, places, unit), "Ctrl-click to type."))))
@@ -128,6 +132,7 @@ def word(sheet: Sheet, key: str, label: str, value: str, choices: Sequence[Choic
 
 def _listed(sheet: Sheet, key: str, value: str, choices: Sequence[Choice]) -> str:
     chosen = value
+    imgui.push_style_color(imgui.Col_.header, theme.FILL)
     for each in choices:
         imgui.begin_disabled(bool(each.reason))
         if imgui.selectable(f"{each.text}##{key}/{each.value}", each.value == value)[0]:
@@ -135,6 +140,7 @@ def _listed(sheet: Sheet, key: str, value: str, choices: Sequence[Choice]) -> st
         imgui.end_disabled()
         sheet.mark(f"{key}/{each.value}")
         tip(each.reason or each.summary)
+    imgui.pop_style_color()
     return chosen
 
 
@@ -165,13 +171,15 @@ def _share(value: float, low: float, high: float, logarithmic: bool) -> float:
     return (min(max(value, low), high) - low) / (high - low)
 
 
-def _fill(share: float) -> None:
-    """Colour the last item from its left end up to the value."""
+def _fill(start: float, share: float) -> None:
+    """Colour the last item from nought up to the value, and mark the value."""
     low, high = imgui.get_item_rect_min(), imgui.get_item_rect_max()
     color = theme.FILL_UNDER if imgui.is_item_hovered() or imgui.is_item_active() else theme.FILL
-    imgui.get_window_draw_list().add_rect_filled(
-        low, (low.x + share * (high.x - low.x), high.y), imgui.get_color_u32(color)
-    )
+    across, lines = high.x - low.x, imgui.get_window_draw_list()
+    left, right = (low.x + end * across for end in sorted((start, share)))
+    lines.add_rect_filled((left, low.y), (right, high.y), imgui.get_color_u32(color))
+    x = low.x + share * (across - MARK)
+    lines.add_rect_filled((x, low.y), (x + MARK, high.y), imgui.get_color_u32(theme.ACCENT))
 
 
 def _words(label: str, said: str, room: float = 0.0) -> None:

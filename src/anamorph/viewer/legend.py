@@ -21,7 +21,8 @@ from anamorph.viewer.wording import name_text
 HANDLE = (7.0, 22.0)
 """Half the width and half the height of the divider's handle."""
 
-PAD = 6.0
+PAD = 5.0
+GAP = 6.0
 BAR_WIDTH = 12.0
 BAR_HEIGHT = 132.0
 LINE_HEIGHT = 17.0
@@ -89,26 +90,34 @@ def _caption(sheet: Sheet, key: str, text: str, room: Rectangle) -> float:
 
 def _scale(sheet: Sheet, key: str, unit: str, room: Rectangle) -> None:
     """The colours of errors, from the lowest at the bottom to the highest, and below the marks that stand apart."""
-    ticks = scale_ticks(unit)
-    across = max(_swatch_width(name) for name in ERROR_MARKS)
-    below = PAD + 1.5 * LINE_HEIGHT + BAR_HEIGHT + LINE_HEIGHT * (len(ERROR_MARKS) + 0.5)
+    title = f"error, {unit}"
+    narrowest = imgui.calc_text_size(title).x + 2.0 * PAD
+    widest = max(narrowest, *(_swatch_width(name) for name in ERROR_MARKS))
+    # Where there is no room for both, the scale tells more than the marks.
+    marks, across = (ERROR_MARKS, widest) if widest <= room[2] - room[0] else ({}, narrowest)
+    below = PAD + BAR_HEIGHT + LINE_HEIGHT * (2.0 + len(marks))
     if (place := _fitted(room, across, below)) is None:
         return
     left, top = place
     _ground(sheet, key, (left, top, left + across, top + below))
+    color = imgui.get_color_u32(theme.TEXT)
+    imgui.get_background_draw_list().add_text((left + PAD, top + PAD / 2.0), color, title)
+    low = top + PAD + 1.5 * LINE_HEIGHT + BAR_HEIGHT
+    _color_bar(unit, left + PAD, low)
+    _swatches(marks, left + PAD, low + 0.5 * LINE_HEIGHT)
+
+
+def _color_bar(unit: str, x: float, low: float) -> None:
     lines, color = imgui.get_background_draw_list(), imgui.get_color_u32(theme.TEXT)
-    lines.add_text((left + PAD, top + PAD / 2.0), color, f"error, {unit}")
-    x, low = left + PAD, top + PAD + 1.5 * LINE_HEIGHT + BAR_HEIGHT
     step = BAR_HEIGHT / (len(VIRIDIS) - 1)
     colors = [imgui.get_color_u32(_of_hex(each)) for each in VIRIDIS]
     for number, (under, over) in enumerate(pairwise(colors)):
         y = low - number * step
         lines.add_rect_filled_multi_color((x, y - step), (x + BAR_WIDTH, y), over, over, under, under)
-    for share, tick in ticks:
+    for share, tick in scale_ticks(unit):
         y = low - share * BAR_HEIGHT
         lines.add_rect_filled((x + BAR_WIDTH, y - 0.5), (x + BAR_WIDTH + 4.0, y + 0.5), color)
-        lines.add_text((x + BAR_WIDTH + 8.0, y - LINE_HEIGHT / 2.0), color, tick)
-    _swatches(ERROR_MARKS, x, low + 0.5 * LINE_HEIGHT)
+        lines.add_text((x + BAR_WIDTH + GAP, y - LINE_HEIGHT / 2.0), color, tick)
 
 
 def _statuses(sheet: Sheet, key: str, room: Rectangle) -> None:
@@ -124,7 +133,7 @@ def _statuses(sheet: Sheet, key: str, room: Rectangle) -> None:
 
 
 def _swatch_width(name: str) -> float:
-    return 2.0 * PAD + BAR_WIDTH + 8.0 + imgui.calc_text_size(name).x
+    return 2.0 * PAD + BAR_WIDTH + GAP + imgui.calc_text_size(name).x
 
 
 def _swatches(colors: Mapping[str, Color], x: float, y: float) -> None:
@@ -136,7 +145,7 @@ def _swatches(colors: Mapping[str, Color], x: float, y: float) -> None:
         lines.add_rect_filled((x, low + 2.0), (x + BAR_WIDTH, low + 15.0), words)
         filled = imgui.get_color_u32((red / 255.0, green / 255.0, blue / 255.0, 1.0))
         lines.add_rect_filled((x + 1.0, low + 3.0), (x + BAR_WIDTH - 1.0, low + 14.0), filled)
-        lines.add_text((x + BAR_WIDTH + 8.0, low), words, name)
+        lines.add_text((x + BAR_WIDTH + GAP, low), words, name)
 
 
 def _fitted(room: Rectangle, across: float, below: float) -> tuple[float, float] | None:

@@ -9,6 +9,8 @@ from anamorph.viewer.facts import Facts, Rectangle, Request
 from anamorph.viewer.sheet import Sheet, available, button, sign, to_column, wrapped
 
 WIDEST = 460.0
+LEGEND = 240.0
+"""What is left for the scales below."""
 
 
 def draw_notice(sheet: Sheet, facts: Facts, free: Rectangle) -> None:
@@ -18,7 +20,8 @@ def draw_notice(sheet: Sheet, facts: Facts, free: Rectangle) -> None:
     left, top, right, bottom = free
     width = min(WIDEST, right - left - 2.0 * theme.MARGIN)
     imgui.set_next_window_pos(((left + right) / 2.0, top + theme.MARGIN), imgui.Cond_.always, (0.5, 0.0))
-    imgui.set_next_window_size_constraints((width, 0.0), (width, max(0.5 * (bottom - top), 60.0)))
+    highest = max(min(0.5 * (bottom - top), bottom - top - LEGEND), 60.0)
+    imgui.set_next_window_size_constraints((width, 0.0), (width, highest))
     flags = imgui.WindowFlags_.no_title_bar | imgui.WindowFlags_.no_resize | imgui.WindowFlags_.no_move
     flags |= imgui.WindowFlags_.always_auto_resize | imgui.WindowFlags_.no_saved_settings
     flags |= imgui.WindowFlags_.no_focus_on_appearing
@@ -28,7 +31,7 @@ def draw_notice(sheet: Sheet, facts: Facts, free: Rectangle) -> None:
         side, end = imgui.get_frame_height(), imgui.get_cursor_pos_x() + available()
         imgui.begin_group()
         imgui.align_text_to_frame_padding()
-        wrapped(facts.message, theme.WARNING, room=side + 6.0)
+        wrapped(facts.message, theme.TEXT, room=side + 6.0)
         imgui.end_group()
         to_column(end - side)
         if sign(sheet, "message/close", "close", "Dismiss"):

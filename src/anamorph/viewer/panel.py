@@ -25,7 +25,7 @@ from anamorph.viewer.panel_report import (
     timing_section,
 )
 from anamorph.viewer.panel_scene import eye_section, scene_section
-from anamorph.viewer.sheet import Sheet, available, button, sign, text_width, to_column, wrapped
+from anamorph.viewer.sheet import Sheet, available, button, sign, text_width, tip, to_column, wrapped
 from anamorph.viewer.state import EyeSide, State
 from anamorph.viewer.wording import size_text
 
@@ -40,6 +40,9 @@ FIXED = (
 
 SEPARATOR = "   ·   "
 HELP = "F1 for help"
+
+LONGEST_NAME = 100
+"""Letters of a scene's name; the rest is told where the pointer rests on it."""
 
 
 @dataclass(frozen=True)
@@ -103,8 +106,10 @@ def _panel(sheet: Sheet, state: State, facts: Facts) -> State:
     end = imgui.get_cursor_pos_x() + available()
     imgui.begin_group()
     imgui.align_text_to_frame_padding()
-    wrapped(facts.scene.name, room=2.0 * side + 8.0)
+    name = facts.scene.name
+    wrapped(name if len(name) <= LONGEST_NAME else f"{name[:LONGEST_NAME]}…", room=2.0 * side + 8.0)
     imgui.end_group()
+    tip(name if len(name) > LONGEST_NAME else "")
     to_column(end - 2.0 * side - 2.0)
     if button(sheet, "help/show", "?", "Keys and gestures (F1)", side):
         state = replace(state, help=not state.help)

@@ -30,6 +30,9 @@ DRAWINGS = (
     (Drawing.VOLUME, "View volume", "What the map taken from the virtual viewpoint holds"),
 )
 
+WIDE = 20.0
+"""Options that may be larger than this move in coarser steps."""
+
 UNIT_SIGNS = {"degrees": "°", "pixels": "px"}
 
 cached_options = lru_cache(maxsize=32)(option_controls)
@@ -143,7 +146,7 @@ def _option(sheet: Sheet, key: str, control: OptionControl, value: Any) -> Any:
         float(value),
         (-math.inf if control.low is None else control.low, math.inf if control.high is None else control.high),
         default=float(control.default),
-        step=1.0 if whole else 0.01,
+        step=1.0 if whole else 0.5 if control.high is not None and control.high > WIDE else 0.01,
         unit=UNIT_SIGNS.get(control.unit, control.unit),
         summary=control.summary,
     )

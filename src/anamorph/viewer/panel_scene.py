@@ -29,6 +29,7 @@ def scene_section(sheet: Sheet, state: State, facts: Facts) -> State:
     controls = cached_controls(facts.scene)
     if not controls:
         caption("Nothing to turn here: the scene has no mirror and no lens.")
+        sheet.mark("scene/empty")
         return state
     values = dict(state.values)
     groups = [(name, list(members)) for name, members in groupby(controls, lambda control: control.group)]

@@ -45,7 +45,7 @@ class MethodPictures:
     @property
     def phases(self) -> Mapping[str, float]:
         """What the time of the last picture went to, milliseconds."""
-        return {} if self._last is None else getattr(self._last, "phases", dict)()
+        return {} if self._last is None else self._last.phases()
 
     def draw(self, camera: Camera, size: Size) -> None:
         """Draw one picture, and show it in place of all before."""

@@ -6,6 +6,7 @@ which look up their rectangles.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 
@@ -123,11 +124,16 @@ def sign(sheet: Sheet, key: str, drawn: str, summary: str) -> bool:
     sheet.mark(key)
     color = imgui.get_color_u32(theme.TEXT if imgui.is_item_hovered() else theme.FAINT)
     low, lines = imgui.get_item_rect_min(), imgui.get_window_draw_list()
-    x, y, r = low.x + side / 2.0, low.y + side / 2.0, 4.0
+    x, y, r = low.x + side / 2.0, low.y + side / 2.0, 4.5
     if drawn == "reset":
-        lines.path_arc_to((x, y), r, -2.4, 2.4, 12)
+        start, bend = -2.4, (math.cos(-2.4), math.sin(-2.4))
+        lines.path_arc_to((x, y), r, start, 2.2, 16)
         lines.path_stroke(color, 1.5)
-        lines.add_triangle_filled((x - 6.5, y - 2.5), (x - 0.5, y - 1.0), (x - 5.0, y - 6.5), color)
+        # The head lies along the arc's tangent, against its run.
+        left, top = x + r * bend[0], y + r * bend[1]
+        head = (left + 5.0 * bend[1], top - 5.0 * bend[0])
+        inner, outer = ((left + part * bend[0], top + part * bend[1]) for part in (-3.0, 3.0))
+        lines.add_triangle_filled(head, inner, outer, color)
     elif drawn == "close":
         lines.add_line((x - r, y - r), (x + r, y + r), color, 1.5)
         lines.add_line((x - r, y + r), (x + r, y - r), color, 1.5)
@@ -179,6 +185,7 @@ def choice(sheet: Sheet, key: str, chosen: str, words: Sequence[tuple[str, str]]
 def fold(sheet: Sheet, key: str, title: str, opened: bool) -> bool:
     """A smaller heading that folds what follows; whether that is to be drawn."""
     flags = imgui.TreeNodeFlags_.no_tree_push_on_open | imgui.TreeNodeFlags_.span_avail_width
+    flags |= imgui.TreeNodeFlags_.frame_padding
     flags |= imgui.TreeNodeFlags_.default_open if opened else imgui.TreeNodeFlags_.none
     shown = imgui.tree_node_ex(f"{title}##{key}", flags)
     sheet.mark(key)

@@ -10,8 +10,9 @@ from typing import Any
 import numpy as np
 
 from anamorph.viewer.facts import Request
-from anamorph.viewer.home import Home, first_observer, reset_view
+from anamorph.viewer.home import Home, reset_view
 from anamorph.viewer.navigation import orbit, steer, zoom
+from anamorph.viewer.observer import first_observer
 from anamorph.viewer.state import Drawing, EyeSide, Half, Layer, State
 
 TURN = float(np.radians(5.0))

@@ -71,8 +71,22 @@ class Surface:
         self._context.configure(device=get_device(), format=form)
         self.imgui = ImguiRenderer(get_device(), canvas)
         set_theme()
+        self._canvas = canvas
         self._painter = Painter(form)
         self._marks: Marks | None = None
+
+    def close(self) -> None:
+        """Take imgui's handlers from the canvas, so that another surface can take its place there."""
+        imgui = self.imgui
+        for handler, *types in (
+            (imgui._on_resize, "resize"),
+            (imgui._on_mouse_move, "pointer_move"),
+            (imgui._on_mouse, "pointer_up", "pointer_down"),
+            (imgui._on_key, "key_up", "key_down"),
+            (imgui._on_wheel, "wheel"),
+            (imgui._on_char_input, "char"),
+        ):
+            self._canvas.remove_event_handler(handler, *types)
 
     def mark(self, marks: Marks) -> None:
         """Replace what is drawn into space."""

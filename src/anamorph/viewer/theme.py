@@ -20,13 +20,13 @@ FILL_UNDER: Color = (0.20, 0.42, 0.61, 1.0)
 ACCENT: Color = (0.36, 0.67, 0.93, 1.0)
 WARNING: Color = (0.96, 0.72, 0.33, 1.0)
 LINE: Color = (0.30, 0.32, 0.35, 1.0)
-SHADE: Color = (0.05, 0.055, 0.065, 0.80)
+SHADE: Color = (0.05, 0.055, 0.065, 0.92)
 CLEAR: Color = (0.0, 0.0, 0.0, 0.0)
 
 LETTERS = 14.0
 """Height of the font, logical pixels."""
 
-MARGIN = 10.0
+MARGIN = 8.0
 """Between what lies over the picture and the edges of its half."""
 
 GUTTER = 22.0
@@ -55,10 +55,12 @@ def set_theme() -> None:
     style.item_spacing = imgui.ImVec2(6.0, 5.0)
     style.item_inner_spacing = imgui.ImVec2(6.0, 4.0)
     style.scrollbar_size = 9.0
-    style.window_border_size = style.popup_border_size = style.frame_border_size = 0.0
-    # Round corners and smoothed lines cost triangles at every frame, and show nothing.
+    style.window_min_size = imgui.ImVec2(1.0, 1.0)
+    style.window_border_size = style.frame_border_size = 0.0
+    style.popup_border_size = 1.0
+    # Round corners and smoothed areas cost triangles at every frame, and show nothing.
     style.window_rounding = style.frame_rounding = style.scrollbar_rounding = style.grab_rounding = 0.0
-    style.anti_aliased_lines = style.anti_aliased_fill = False
+    style.anti_aliased_fill = False
     for color, value in _colors().items():
         style.set_color_(color, value)
 

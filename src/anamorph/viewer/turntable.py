@@ -66,14 +66,16 @@ def between(views: Sequence[Camera], frames: int = FRAMES) -> list[Camera]:
 def _between(one: Camera, other: Camera, share: float) -> Camera:
     if share in (0.0, 1.0) or one == other:
         return other if share == 1.0 else one
-    turned = Slerp([0.0, 1.0], Rotation.from_matrix([one.axes(), other.axes()]))(share).as_matrix()
+    # Right, up and backward: a right-handed frame, which is what a rotation is.
+    frames = [camera.axes() * [[1.0], [1.0], [-1.0]] for camera in (one, other)]
+    _, up, back = Slerp([0.0, 1.0], Rotation.from_matrix(frames))(share).as_matrix()
     target = (1.0 - share) * np.array(one.target) + share * np.array(other.target)
     first, last = (np.linalg.norm(np.subtract(each.target, each.position)) for each in (one, other))
     distance = first ** (1.0 - share) * last**share
     x, y, z = target.tolist()
-    up_x, up_y, up_z = turned[1].tolist()
+    up_x, up_y, up_z = up.tolist()
     field = one.field_of_view ** (1.0 - share) * other.field_of_view**share
-    return _moved(Camera((0.0, 0.0, 0.0), (x, y, z), (up_x, up_y, up_z), float(field)), target - distance * turned[2])
+    return _moved(Camera((0.0, 0.0, 0.0), (x, y, z), (up_x, up_y, up_z), float(field)), target + distance * back)
 
 
 def _moved(camera: Camera, position: np.ndarray) -> Camera:

@@ -1,0 +1,187 @@
+"""The viewer in a browser: pictures a second while the eye moves, how soon a slider shows, and half an hour of use.
+
+Run it with `./run bench viewer`, or for the half hour with `./run bench viewer --minutes 30`. Chromium shows what the
+command serves, on the same machine: it takes its share of the cores, as it does for whoever uses the viewer.
+"""
+
+from __future__ import annotations
+
+import argparse
+import random
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+import numpy as np
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests"))
+
+from browser import Served, Tab, chromium, served, tab_of
+
+METHODS = ("pervertex", "raytrace", "environment", "trilinear", "pervertex:refine=1", "pervertex:tolerance=0.5")
+
+WATCH = """() => {
+  const picture = document.querySelector('img')
+  const small = document.createElement('canvas')
+  small.width = small.height = 48
+  const pixels = small.getContext('2d', { willReadFrequently: true })
+  let before = null
+  const look = () => {
+    pixels.drawImage(picture, picture.naturalWidth / 2 - 60, picture.naturalHeight / 2 - 60, 120, 120, 0, 0, 48, 48)
+    const now = pixels.getImageData(0, 0, 48, 48).data
+    let difference = before === null ? 0 : 255
+    if (before !== null) {
+      difference = 0
+      for (let place = 0; place < now.length; place++) { difference += Math.abs(now[place] - before[place]) }
+      difference /= now.length
+    }
+    before = now
+    return difference
+  }
+  window.arrivals = []
+  window.changed = null
+  picture.addEventListener('load', () => {
+    if (look() > 1.0) {
+      window.arrivals.push(performance.now())
+      window.changed = window.changed || performance.now()
+    }
+  })
+  document.addEventListener('pointermove', () => { window.moved = performance.now() }, true)
+}"""
+"""Notes when a picture arrives whose middle differs from that of the one before."""
+
+
+def main() -> None:
+    """Measure, and print what came of it."""
+    parser = argparse.ArgumentParser(prog="./run bench viewer", description=__doc__.splitlines()[0])
+    parser.add_argument("--scene", default="car-mirror")
+    parser.add_argument("--size", default="800x600", help="of the picture without a panel (800x600)")
+    parser.add_argument("--minutes", type=float, default=0.0, help="of scripted use, watching memory and log (none)")
+    arguments = parser.parse_args()
+    width, height = map(int, arguments.size.split("x"))
+    with tempfile.TemporaryDirectory() as folder, served(Path(folder), arguments.scene) as viewer:
+        # A line below the picture belongs to the status.
+        with chromium() as browser, tab_of(browser, viewer, (width, height + 24)) as tab:
+            tab.wait_for_picture()
+            tab.page.evaluate(WATCH)
+            if arguments.minutes:
+                use(tab, viewer, arguments.minutes)
+            else:
+                measure_rate(tab, (width, height))
+                measure_delay(tab)
+        code, errors = viewer.interrupt()
+        print(f"ended with code {code}; lines in the log: {len(errors.splitlines())}")
+        print(errors, end="")
+
+
+def measure_rate(tab: Tab, size: tuple[int, int], seconds: float = 10.0) -> None:
+    """Pictures a second that arrive, each other than the one before, while the eye moves all the time."""
+    tab.key("Tab")
+    width, height = size
+    tab.wait_until(lambda report: report["at_rest"], "rest")
+    tab.page.mouse.move(width / 2, height / 2)
+    tab.page.mouse.down()
+    started, step = time.monotonic(), 0
+    tab.page.evaluate("window.arrivals = []")
+    pictures = []
+    while time.monotonic() - started < seconds:
+        angle = step / 25.0
+        tab.page.mouse.move(width / 2 + 90 * np.sin(angle), height / 2 + 30 * np.sin(1.3 * angle))
+        step += 1
+        if step % 40 == 0:
+            pictures.append(tuple(tab.report()["picture"]))
+    arrivals = np.array(tab.page.evaluate("window.arrivals"))
+    tab.page.mouse.up()
+    gaps = np.diff(arrivals[arrivals > arrivals[0] + 1000.0])
+    print(
+        f"eye moving: {1000.0 / gaps.mean():.1f} pictures a second; between two {np.median(gaps):.0f} ms (median), "
+        f"{np.percentile(gaps, 95):.0f} ms (95th percentile); sizes {sorted(set(pictures))}"
+    )
+    tab.key("Tab")
+
+
+def measure_delay(tab: Tab, times: int = 20) -> None:
+    """From the pointer's move on a slider to the first picture that shows it."""
+    tab.page.set_viewport_size({"width": 1076, "height": 624})
+    delays = []
+    shown = tab.wait_until(lambda report: "mirror/swivel" in report["rectangles"], "the panel")
+    left, top, right, bottom = shown["rectangles"]["mirror/swivel"]
+    for number in range(times):
+        tab.wait_until(lambda report: report["at_rest"], "rest")
+        middle, y = (left + right) / 2.0, (top + bottom) / 2.0
+        tab.page.mouse.move(middle, y)
+        tab.page.mouse.down()
+        tab.page.wait_for_timeout(300)
+        tab.wait_until(lambda report: report["at_rest"], "rest")
+        tab.page.wait_for_timeout(700)
+        tab.page.evaluate("window.changed = null")
+        tab.page.mouse.move(middle + (8 if number % 2 else -8), y)
+        tab.page.wait_for_timeout(1000)
+        delays.append(tab.page.evaluate("window.changed - window.moved"))
+        tab.page.mouse.up()
+    print(f"slider to picture: {np.median(delays):.0f} ms (median), {max(delays):.0f} ms (largest of {times})")
+
+
+def use(tab: Tab, viewer: Served, minutes: float) -> None:
+    """Do this and that, and watch what memory the viewer takes."""
+    chance = random.Random(1)
+    started, said = time.monotonic(), 0.0
+    while (passed := time.monotonic() - started) < 60.0 * minutes:
+        if passed >= said:
+            print(
+                f"{passed / 60.0:5.1f} min: {memory(viewer.process.pid):7.1f} MiB, {tab.report()['frames']} frames",
+                flush=True,
+            )
+            said += 60.0
+        act(tab, chance)
+
+
+def act(tab: Tab, chance: random.Random) -> None:
+    """One thing that a user does."""
+    page = tab.page
+    width, height = page.viewport_size["width"], page.viewport_size["height"]
+    kind = chance.randrange(10)
+    if kind < 4:
+        x, y = chance.uniform(0.5, 0.9) * width, chance.uniform(0.2, 0.8) * height
+        page.mouse.move(x, y)
+        page.mouse.down(button=chance.choice(["left", "left", "right", "middle"]))
+        for _ in range(30):
+            x, y = x + chance.uniform(-9, 9), y + chance.uniform(-6, 6)
+            page.mouse.move(x, y)
+            page.wait_for_timeout(16)
+        for button in ("left", "right", "middle"):
+            page.mouse.up(button=button)
+        if chance.random() < 0.5:
+            tab.key("r")
+    elif kind < 6:
+        names = [name for name in tab.report()["rectangles"] if name.startswith("mirror/")]
+        if names:
+            x, y = tab.center(chance.choice(names))
+            tab.drag((x, y), (x + chance.uniform(-40, 40), y))
+    elif kind == 6:
+        tab.key(chance.choice(["s", "m", "Shift+M", "x", "1", "2", "3", "u", "e", "o", "w", "h", "v", "b"]))
+    elif kind == 7:
+        tab.click(chance.uniform(0.4, 0.9) * width, chance.uniform(0.2, 0.8) * height)
+    elif kind == 8:
+        page.set_viewport_size(
+            chance.choice(
+                [{"width": 1076, "height": 624}, {"width": 1280, "height": 720}, {"width": 900, "height": 700}]
+            )
+        )
+    elif chance.random() < 0.3:
+        page.reload()
+        tab.wait_for_picture()
+    else:
+        tab.key("Shift+R")
+    page.wait_for_timeout(chance.choice([50, 400, 1500]))
+
+
+def memory(process: int) -> float:
+    """What a process holds in memory, MiB."""
+    lines = Path(f"/proc/{process}/status").read_text().splitlines()
+    return next(int(line.split()[1]) / 1024.0 for line in lines if line.startswith("VmRSS"))
+
+
+if __name__ == "__main__":
+    main()

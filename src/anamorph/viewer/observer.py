@@ -1,0 +1,173 @@
+"""Where one looks from to see an eye, the mirror before it, and what the mirror shows it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from itertools import product
+
+import numpy as np
+
+from anamorph.methods.environment import reflectors
+from anamorph.optics.laws import reflect
+from anamorph.rays import Caster
+from anamorph.scene.camera import Camera, Vector
+from anamorph.scene.geometry import flatten
+from anamorph.scene.model import Glass, Scene
+
+ASIDE = np.radians([55.0, 80.0, 30.0, 105.0])
+"""Angles between where the eye stands and where the observer does, seen from above the mirror, the best first."""
+
+ABOVE = np.radians([35.0, 15.0, 60.0])
+"""Of the observer's view, the best first."""
+
+SHOWN, SKY = 2.5, 1.0
+"""How much of the line of sight beyond the mirror is seen at most, and where it leads into the sky: in distances
+between eye and mirror."""
+
+SHARES = 1.0, 0.5, 0.2
+"""How much of that is seen, the best first: in a room there may be no place from which more is."""
+
+FIELD_OF_VIEW = 45.0
+"""The observer's, degrees, where nothing stands in its way; it goes up to `WIDEST` to look from before a wall."""
+
+WIDEST, TOO_WIDE = 90.0, 120.0
+
+FILLED = 0.75
+"""The share of the observer's picture, as high as wide, that is filled at the start."""
+
+CLEARANCE = 0.9
+"""How far toward a wall an observer goes."""
+
+FLAT = 0.3
+"""How long the mean of a mirror's normals is, at least, where the mirror as a whole faces somewhere."""
+
+
+@dataclass(frozen=True, eq=False)
+class _Sight:
+    """What an eye looks at.
+
+    Parameters
+    ----------
+    eye, middle, end : (3,) float64
+        The eye, the middle of the mirror or lens, and how far beyond the line of sight is seen.
+    corners : (8, 3) float64
+        Of the box around the mirror or lens.
+    facing : (3,) float64
+        Unit vector to where it faces.
+    """
+
+    eye: np.ndarray
+    middle: np.ndarray
+    end: np.ndarray
+    corners: np.ndarray
+    facing: np.ndarray
+
+    def shortened(self, share: float) -> _Sight:
+        """With less beyond the mirror."""
+        return replace(self, end=self.middle + share * (self.end - self.middle))
+
+    @property
+    def points(self) -> np.ndarray:
+        """All that is to be in the observer's picture, (10, 3)."""
+        return np.stack([self.eye, self.end, *self.corners])
+
+    @property
+    def marks(self) -> np.ndarray:
+        """What nothing should hide from the observer, (3, 3): the mirror by a point before it."""
+        before = self.middle + 0.6 * np.linalg.norm(np.ptp(self.corners, axis=0)) * self.facing
+        return np.stack([self.eye, before, self.end])
+
+
+def first_observer(scene: Scene, camera: Camera) -> Camera:
+    """A place aside and above from which the eye, the mirror or lens, and where its line of sight goes on are seen.
+
+    Of several such places the one from which most of these are not hidden; within a room, if the eye is.
+
+    Parameters
+    ----------
+    scene : Scene
+        Of its mirrors and lenses, the one nearest to the line of sight counts. Without any, the camera's target
+        stands for it.
+    camera : Camera
+        The eye.
+    """
+    caster = Caster(flatten(scene)) if scene.meshes else None
+    sight = _sight(scene, camera, caster)
+    up = np.asarray(camera.up, float) / np.linalg.norm(camera.up)
+    right = camera.axes()[0]
+    back = np.cross(right, up)
+    # On the side that a mirror turns to, its face is seen and not its back.
+    side = -1.0 if sight.facing @ right < 0.0 else 1.0
+    candidates = []
+    for share, above, turn, aside in product(SHARES, ABOVE, (side, -side), ASIDE):
+        level = np.cos(aside) * back + turn * np.sin(aside) * right
+        toward = np.cos(above) * level + np.sin(above) * up
+        candidates.append(_observer(sight.shortened(share), toward, camera.up, caster))
+    return max(candidates, key=lambda observer: _merit(observer, sight, caster))
+
+
+def _sight(scene: Scene, camera: Camera, caster: Caster | None) -> _Sight:
+    eye, forward = np.asarray(camera.position, float), camera.axes()[2]
+    boxes = []
+    for group in reflectors(scene):
+        positions = np.concatenate([scene.meshes[index].positions for index in group]).astype(float)
+        boxes.append((group, positions.min(axis=0), positions.max(axis=0)))
+    if not boxes:
+        target = np.asarray(camera.target, float)
+        return _Sight(eye, target, target, np.tile(target, (8, 1)), -forward)
+    group, low, high = max(boxes, key=lambda box: float(_unit((box[1] + box[2]) / 2.0 - eye) @ forward))
+    middle, looking = (low + high) / 2.0, _unit((low + high) / 2.0 - eye)
+    meshes = [scene.meshes[index] for index in group]
+    normal = np.concatenate([mesh.normals for mesh in meshes]).astype(float).mean(axis=0)
+    bends = any(isinstance(mesh.material, Glass) for mesh in meshes)
+    # A ball's normals cancel each other out: what is seen of it faces the eye.
+    facing = _unit(normal) if np.linalg.norm(normal) > FLAT and not bends else -looking
+    onward = looking if bends else reflect(looking[None], facing[None])[0]
+    size = float(np.linalg.norm(high - low))
+    distance = float(np.linalg.norm(middle - eye))
+    free = _free(caster, middle, onward, np.inf, near=size)
+    reach = min(free, SHOWN * distance) if np.isfinite(free) else SKY * distance
+    corners = np.stack(np.meshgrid(*zip(low, high, strict=True)), axis=-1).reshape(-1, 3)
+    return _Sight(eye, middle, middle + reach * onward, corners, facing)
+
+
+def _observer(sight: _Sight, toward: np.ndarray, up: Vector, caster: Caster | None) -> Camera:
+    """One that looks from `toward` (3,), as far away as shows all, or as the next wall lets it."""
+    points = sight.points
+    target = (points.min(axis=0) + points.max(axis=0)) / 2.0
+    axes = Camera(_tuple(target + toward), _tuple(target), up).axes()
+    across, upward, ahead = axes @ (points - target).T
+    offset = np.maximum(np.abs(across), np.abs(upward)) / FILLED
+    wanted = float((offset / np.tan(np.radians(FIELD_OF_VIEW) / 2.0) - ahead).max())
+    distance = _free(caster, target, toward, wanted)
+    slope = (offset / np.maximum(distance + ahead, 1e-9 * wanted)).max()
+    field_of_view = float(np.degrees(2.0 * np.arctan(slope)))
+    return Camera(_tuple(target + distance * toward), _tuple(target), up, min(field_of_view, TOO_WIDE))
+
+
+def _merit(observer: Camera, sight: _Sight, caster: Caster | None) -> float:
+    """How much of what counts can be seen; below 0 where everything is too small for that."""
+    if observer.field_of_view > WIDEST or caster is None:
+        return -observer.field_of_view
+    rays = sight.marks - observer.position
+    length = np.linalg.norm(rays, axis=1)
+    hits = caster.cast(np.tile(observer.position, (3, 1)), rays / length[:, None])
+    return float((hits.distance > (1.0 - 1e-3) * length).sum())
+
+
+def _free(caster: Caster | None, start: np.ndarray, toward: np.ndarray, wanted: float, near: float = 0.0) -> float:
+    """How far one gets from `start` (3,), up to what is `wanted`, without getting too near to anything."""
+    if caster is None:
+        return wanted
+    found = float(caster.cast(start[None], toward[None], near=max(near, caster.near)).distance[0])
+    return min(wanted, CLEARANCE * found)
+
+
+def _unit(vector: np.ndarray) -> np.ndarray:
+    length = np.linalg.norm(vector)
+    return vector / length if length > 0.0 else vector
+
+
+def _tuple(vector: np.ndarray) -> Vector:
+    x, y, z = vector.tolist()
+    return (x, y, z)

@@ -1,0 +1,237 @@
+"""The viewer as a whole, on a canvas without a screen: what a hand does there, and what comes of it."""
+
+from __future__ import annotations
+
+import gc
+import json
+import weakref
+from collections.abc import Iterator
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from PIL import Image
+from viewer_hand import Hand
+
+import anamorph as an
+from anamorph.gpu.device import get_device
+from anamorph.scene.builtin import make
+from anamorph.srgb import encode_srgb
+from anamorph.viewer.starting import start
+from anamorph.viewer.state import Drawing, EyeSide, Layer
+
+
+@pytest.fixture
+def hand(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Hand]:
+    monkeypatch.chdir(tmp_path)
+    hand = Hand(start("flat-mirror"))
+    yield hand
+    hand.close()
+
+
+def picture_of(canvas: np.ndarray, hand: Hand) -> np.ndarray:
+    """The picture on the canvas, beside the panel and without what lies over its corners."""
+    left, top = (round(place) for place in hand.place(0.0, 0.0))
+    right, bottom = (round(place) for place in hand.place(1.0, 1.0))
+    return canvas[top:bottom, left:right]
+
+
+def test_the_canvas_shows_what_render_draws(hand: Hand) -> None:
+    shown = picture_of(hand.settle(), hand)
+    height, width = shown.shape[:2]
+    wanted = encode_srgb(np.clip(an.render("flat-mirror", size=(width, height), samples=4).color, 0, 1).astype(float))
+    inside = np.s_[40:, :]
+    assert np.abs(shown[inside] / 255.0 - wanted[inside]).max() < 2.5 / 255.0
+
+
+def test_a_drag_moves_the_eye_and_a_click_does_not(hand: Hand) -> None:
+    before = hand.settle()
+    camera = hand.viewer.state.camera
+    hand.click(*hand.place(0.6, 0.6))
+    assert hand.viewer.state.camera == camera
+    hand.key("Escape")
+    hand.drag(hand.place(0.6, 0.6), hand.place(0.7, 0.6), hand.place(0.75, 0.65))
+    moved = hand.viewer.state.camera
+    assert moved.target == camera.target and moved.position != camera.position
+    after = hand.settle()
+    assert (np.abs(after.astype(int) - before).max(axis=-1) > 20).mean() > 0.1
+    hand.key("r")
+    assert hand.viewer.state.camera == camera
+    assert np.array_equal(hand.settle(), before)
+
+
+def test_a_press_on_the_panel_is_the_panels_alone(hand: Hand) -> None:
+    hand.settle()
+    camera = hand.viewer.state.camera
+    x, y = hand.widget("mirror/swivel")
+    hand.drag((x, y), (x + 30.0, y), (x + 60.0, y + 40.0))
+    assert hand.viewer.state.camera == camera and hand.viewer.state.picked is None
+    assert hand.viewer.state.values["mirror/swivel"] > 1.0
+
+
+def test_a_move_that_a_page_held_back_does_not_undo_the_press(hand: Hand) -> None:
+    x, y = hand.place(0.6, 0.6)
+    camera = hand.viewer.state.camera
+    hand.send("pointer_down", x=x, y=y, button=1, buttons=(1,), time_stamp=2.0)
+    hand.send("pointer_move", x=x - 50, y=y, button=0, time_stamp=1.9)
+    hand.send("pointer_move", x=x + 40, y=y, button=1, buttons=(1,), time_stamp=2.1)
+    assert hand.viewer.state.camera != camera
+
+
+def test_a_slider_turns_the_mirror(hand: Hand) -> None:
+    before = picture_of(hand.settle(), hand)
+    x, y = hand.widget("mirror/swivel")
+    hand.drag((x, y), (x + 10.0, y))
+    after = picture_of(hand.settle(), hand)
+    degrees = hand.viewer.state.values["mirror/swivel"]
+    assert (np.abs(after.astype(int) - before).max(axis=-1) > 20).mean() > 0.05
+    hand.key("R", "Shift")
+    assert not hand.viewer.state.values and degrees != 0.0
+    assert np.array_equal(picture_of(hand.settle(), hand), before)
+
+
+def test_halves_are_compared_across_a_divider_that_is_dragged(hand: Hand) -> None:
+    plain = picture_of(hand.settle(), hand)
+    hand.key("s")
+    assert hand.viewer.state.split
+    hand.drag(hand.place(0.5, 0.3), hand.place(0.4, 0.3), hand.place(0.25, 0.3))
+    assert hand.viewer.state.divider == pytest.approx(0.25, abs=0.02)
+    split = picture_of(hand.settle(), hand)
+    # A flat mirror is exact: the truth beyond the divider is the same picture.
+    beyond = np.s_[60:, int(0.3 * plain.shape[1]) :]
+    assert np.percentile(np.abs(split[beyond].astype(int) - plain[beyond]), 99) <= 3
+
+
+def test_keys_show_layers_eyes_and_what_is_in_space(hand: Hand) -> None:
+    plain = picture_of(hand.settle(), hand)
+    hand.key("2")
+    assert hand.viewer.state.first.layer is Layer.ERROR
+    error = picture_of(hand.settle(), hand)
+    assert (np.abs(error.astype(int) - plain).max(axis=-1) > 20).mean() > 0.3
+    hand.key("1")
+    hand.key("e")
+    assert hand.viewer.state.eye is not EyeSide.MIDDLE
+    assert not np.array_equal(picture_of(hand.settle(), hand), plain)
+    hand.key("r")
+    hand.key("w")
+    hand.key("h")
+    assert {Drawing.WIREFRAME, Drawing.HITS} <= hand.viewer.state.drawings
+    hand.key("o")
+    assert hand.viewer.state.observer is not None
+    hand.settle()
+
+
+def test_a_click_tells_what_is_seen_there_and_draws_its_path(hand: Hand) -> None:
+    plain = hand.settle()
+    mirror = np.argwhere(an.render("flat-mirror", size=(284, 276), seen=True).specular != 0).mean(axis=0)
+    hand.click(*hand.place(mirror[1] / 284, mirror[0] / 276))
+    looked = hand.settle(lambda report: report["inspection"] and report["at_rest"])
+    seen = hand.viewer.report()["inspection"]
+    assert [stop["name"] for stop in seen["path"]][:2] == ["eye", "mirror"] and len(seen["path"]) >= 3
+    assert seen["seen"] == seen["truth"] and seen["angular_mrad"] < 0.5
+    assert not np.array_equal(looked, plain)
+    # From outside, the path that the eye has looked into stays.
+    hand.key("o")
+    hand.settle()
+    assert hand.viewer.report()["inspection"] == seen
+    hand.key("o")
+    hand.settle()
+    hand.key("Escape")
+    hand.settle()
+    assert hand.viewer.report()["inspection"] is None
+
+
+def test_the_report_is_plain_data(hand: Hand) -> None:
+    hand.settle()
+    told = json.loads(json.dumps(hand.viewer.report(), allow_nan=False))
+    assert told["scene"] == "flat-mirror" and told["state"]["first"]["method"] == "pervertex"
+    assert told["frames"] > 0 and "prepare" in told["phases_ms"] and "first/method" in told["rectangles"]
+
+
+@pytest.mark.parametrize("size", [(300, 40), (200, 200), (276, 100), (640, 24), (1, 1)])
+def test_no_canvas_is_too_small(size: tuple[int, int]) -> None:
+    hand = Hand(start("flat-mirror"), size)
+    hand.draw(5)
+    hand.key("Tab")
+    hand.draw(5)
+    hand.close()
+
+
+def test_a_fine_screen_gets_a_fine_picture() -> None:
+    hand = Hand(start("flat-mirror"), (400, 200), ratio=2.0)
+    hand.settle()
+    assert hand.viewer.report()["picture"] == ((400 - 276) * 2, (200 - 24) * 2)
+    hand.close()
+
+
+def test_a_scene_that_cannot_be_opened_leaves_the_viewer_open_with_the_reason() -> None:
+    hand = Hand(start("no-such-scene"))
+    hand.draw(5)
+    told = hand.viewer.report()
+    assert "no-such-scene" in told["message"] and told["scene"] == "nothing opened"
+    hand.drag(hand.place(0.3, 0.3), hand.place(0.5, 0.5))
+    for key in ("s", "2", "o", "w", "p", "m"):
+        hand.key(key)
+    hand.draw(5)
+    hand.viewer.open(start("flat-mirror"))
+    hand.settle()
+    assert hand.viewer.report()["message"] == ""
+    hand.close()
+
+
+def test_a_method_that_cannot_draw_the_scene_is_refused_in_one_line() -> None:
+    told = start("magnifier", "environment")
+    assert "glass" in told.message and "\n" not in told.message
+    assert start("magnifier", "nonsense").message and not start("magnifier").message
+
+
+def test_what_a_control_cannot_do_is_said_and_the_last_scene_stays(hand: Hand) -> None:
+    hand.settle()
+    hand.viewer.state = replace(hand.viewer.state, values={"mirror/curvature": 1e9})
+    hand.viewer.refresh()
+    hand.settle()
+    assert hand.viewer.report()["message"]
+    hand.viewer.state = replace(hand.viewer.state, values={})
+    hand.viewer.refresh()
+    hand.settle()
+    assert hand.viewer.report()["message"] == ""
+
+
+def test_the_picture_is_saved_as_it_is_shown(hand: Hand, tmp_path: Path) -> None:
+    hand.key("p")
+    hand.settle(lambda report: (tmp_path / "flat-mirror-1.png").exists())
+    assert "flat-mirror-1.png" in hand.viewer.report()["message"]
+    saved = np.asarray(Image.open(tmp_path / "flat-mirror-1.png"))
+    shown = picture_of(hand.settle(), hand)
+    assert np.array_equal(saved[40:], shown[40:])
+
+
+def test_the_view_is_saved_and_opens_as_it_was(hand: Hand, tmp_path: Path) -> None:
+    x, y = hand.widget("mirror/tilt")
+    hand.drag((x, y), (x + 5.0, y))
+    hand.key("s")
+    hand.key("s", "Control")
+    hand.settle(lambda report: (tmp_path / "flat-mirror-1.toml").exists())
+    assert start(tmp_path / "flat-mirror-1.toml").state == hand.viewer.state
+
+
+def test_a_lost_device_is_replaced(hand: Hand) -> None:
+    before = hand.settle()
+    lost = weakref.ref(get_device())
+    get_device().destroy()
+    assert np.array_equal(picture_of(hand.settle(), hand), picture_of(before, hand))
+    assert "lost" in hand.viewer.report()["message"]
+    hand.key("s")
+    hand.drag(hand.place(0.6, 0.6), hand.place(0.7, 0.6))
+    hand.settle()
+    gc.collect()
+    assert lost() is None
+
+
+def test_every_builtin_scene_opens() -> None:
+    for name in ("spheres", "spectacles-minus"):
+        hand = Hand(start(name))
+        hand.draw(2)
+        assert hand.viewer.report()["message"] == "" and make(name).name == hand.viewer.report()["scene"]
+        hand.close()

@@ -158,16 +158,13 @@ class Tab:
 
 
 @contextmanager
-def chromium(*flags: str) -> Iterator[Any]:
+def chromium(playwright: Any, *flags: str) -> Iterator[Any]:
     """A headless Chromium with a fresh profile."""
-    from playwright.sync_api import sync_playwright
-
-    with sync_playwright() as playwright:
-        browser = playwright.chromium.launch(executable_path=CHROMIUM, headless=True, args=[*FLAGS, *flags])
-        try:
-            yield browser
-        finally:
-            browser.close()
+    browser = playwright.chromium.launch(executable_path=CHROMIUM, headless=True, args=[*FLAGS, *flags])
+    try:
+        yield browser
+    finally:
+        browser.close()
 
 
 @contextmanager

@@ -12,8 +12,16 @@ pytestmark = needs_chromium
 
 
 @pytest.fixture(scope="module")
-def browser():
-    with chromium() as running:
+def playwright():
+    from playwright.sync_api import sync_playwright
+
+    with sync_playwright() as running:
+        yield running
+
+
+@pytest.fixture(scope="module")
+def browser(playwright):
+    with chromium(playwright) as running:
         yield running
 
 
@@ -107,10 +115,10 @@ def another_tab(tab: Tab, viewer: Served, width: int, height: int) -> Any:
     return page
 
 
-def test_a_fine_screen_gets_its_own_pixels(tmp_path):
+def test_a_fine_screen_gets_its_own_pixels(playwright, tmp_path):
     flags = "--force-device-scale-factor=2", "--window-size=700,500"
     with (
-        chromium(*flags) as browser,
+        chromium(playwright, *flags) as browser,
         served(tmp_path, "flat-mirror") as viewer,
         tab_of(browser, viewer, viewport=None, no_viewport=True) as tab,
     ):

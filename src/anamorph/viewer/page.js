@@ -71,8 +71,9 @@ class View extends window.BaseRenderView {
   }
 
   focus () {
-    // On a touch screen, focus would bring up the keyboard.
-    if (window.matchMedia('(pointer: fine)').matches) { this._focusElement.focus({ preventScroll: true }) }
+    // A touch screen must not bring up its keyboard for it.
+    this._focusElement.inputMode = window.matchMedia('(pointer: fine)').matches ? '' : 'none'
+    this._focusElement.focus({ preventScroll: true })
   }
 }
 

@@ -119,6 +119,8 @@ def test_lenses_in_one_group_are_parts_of_their_own():
     lens = [mesh for mesh in builtin.make("spectacles-plus").meshes if mesh.name.startswith("lens/")]
     meshes = [replace(mesh, name=f"glasses/{side}/{mesh.name[5:]}") for side in ("left", "right") for mesh in lens]
     names = part_names([*meshes, replace(spherical_mirror(), name="glasses/bridge")])
+    inner = [replace(mesh, name=f"glasses/left/inlay/{mesh.name[5:]}") for mesh in lens]
+    assert part_names([*meshes, *inner])[8:] == ["glasses/left/inlay"] * 4
     assert names == ["glasses/left"] * 4 + ["glasses/right"] * 4 + ["glasses"]
 
 
@@ -178,6 +180,17 @@ def test_bending_to_the_same_curvature_is_the_identity_and_near_it_is_near(kind)
     there = bent(bent(mesh, before[0] + 0.7), *before)
     for changed in (nearby, there):
         np.testing.assert_allclose(changed.positions[: len(mesh.positions)], mesh.positions, atol=6e-7)
+
+
+@pytest.mark.parametrize("surface", SURFACES[2:], ids=lambda surface: type(surface).__name__)
+def test_a_mirror_cut_off_its_axis_keeps_its_own_middle(surface):
+    mesh = on(surface)
+    uv = np.add(mesh.parameters, (0.2, 0.15))
+    mesh = replace(mesh, positions=surface.position(uv), normals=surface.normal(uv), parameters=uv)
+    changed, middle = bent(mesh, 0.1), len(uv) // 2
+    exact(changed)
+    np.testing.assert_allclose(changed.positions[middle], mesh.positions[middle], atol=1e-6)
+    assert np.abs(changed.positions - mesh.positions).max() > 1e-3
 
 
 def test_a_sphere_of_another_radius_is_that_sphere():

@@ -37,6 +37,11 @@ def picture_of(canvas: np.ndarray, hand: Hand) -> np.ndarray:
     return canvas[top:bottom, left:right]
 
 
+def alike(one: np.ndarray, other: np.ndarray) -> bool:
+    """Whether two pictures are the same below captions and messages, but for what rounds to another 8-bit number."""
+    return np.abs(one[80:].astype(int) - other[80:]).max() <= 1
+
+
 def test_the_canvas_shows_what_render_draws(hand: Hand) -> None:
     shown = picture_of(hand.settle(), hand)
     height, width = shown.shape[:2]
@@ -46,7 +51,7 @@ def test_the_canvas_shows_what_render_draws(hand: Hand) -> None:
 
 
 def test_a_drag_moves_the_eye_and_a_click_does_not(hand: Hand) -> None:
-    before = hand.settle()
+    before = picture_of(hand.settle(), hand)
     camera = hand.viewer.state.camera
     hand.click(*hand.place(0.6, 0.6))
     assert hand.viewer.state.camera == camera
@@ -54,11 +59,11 @@ def test_a_drag_moves_the_eye_and_a_click_does_not(hand: Hand) -> None:
     hand.drag(hand.place(0.6, 0.6), hand.place(0.7, 0.6), hand.place(0.75, 0.65))
     moved = hand.viewer.state.camera
     assert moved.target == camera.target and moved.position != camera.position
-    after = hand.settle()
+    after = picture_of(hand.settle(), hand)
     assert (np.abs(after.astype(int) - before).max(axis=-1) > 20).mean() > 0.1
     hand.key("r")
     assert hand.viewer.state.camera == camera
-    assert np.array_equal(hand.settle(), before)
+    assert alike(picture_of(hand.settle(), hand), before)
 
 
 def test_a_press_on_the_panel_is_the_panels_alone(hand: Hand) -> None:
@@ -86,21 +91,23 @@ def test_a_slider_turns_the_mirror(hand: Hand) -> None:
     after = picture_of(hand.settle(), hand)
     degrees = hand.viewer.state.values["mirror/swivel"]
     assert (np.abs(after.astype(int) - before).max(axis=-1) > 20).mean() > 0.05
+    hand.send("pointer_move", x=5.0, y=295.0, button=0)
     hand.key("R", "Shift")
     assert not hand.viewer.state.values and degrees != 0.0
-    assert np.array_equal(picture_of(hand.settle(), hand), before)
+    assert alike(picture_of(hand.settle(), hand), before)
 
 
 def test_halves_are_compared_across_a_divider_that_is_dragged(hand: Hand) -> None:
-    plain = picture_of(hand.settle(), hand)
+    hand.settle()
     hand.key("s")
     assert hand.viewer.state.split
     hand.drag(hand.place(0.5, 0.3), hand.place(0.4, 0.3), hand.place(0.25, 0.3))
     assert hand.viewer.state.divider == pytest.approx(0.25, abs=0.02)
-    split = picture_of(hand.settle(), hand)
-    # A flat mirror is exact: the truth beyond the divider is the same picture.
-    beyond = np.s_[60:, int(0.3 * plain.shape[1]) :]
-    assert np.percentile(np.abs(split[beyond].astype(int) - plain[beyond]), 99) <= 3
+    shown = picture_of(hand.settle(), hand)
+    height, width = shown.shape[:2]
+    for method, part in (("pervertex", np.s_[:, : width // 4 - 12]), ("raytrace", np.s_[:, width // 4 + 12 :])):
+        wanted = an.render("flat-mirror", method, size=(width, height), samples=4).color
+        assert alike(shown[part], np.rint(255.0 * encode_srgb(np.clip(wanted, 0, 1).astype(float)))[part])
 
 
 def test_keys_show_layers_eyes_and_what_is_in_space(hand: Hand) -> None:
@@ -204,7 +211,7 @@ def test_the_picture_is_saved_as_it_is_shown(hand: Hand, tmp_path: Path) -> None
     assert "flat-mirror-1.png" in hand.viewer.report()["message"]
     saved = np.asarray(Image.open(tmp_path / "flat-mirror-1.png"))
     shown = picture_of(hand.settle(), hand)
-    assert np.array_equal(saved[40:], shown[40:])
+    assert alike(saved, shown)
 
 
 def test_the_view_is_saved_and_opens_as_it_was(hand: Hand, tmp_path: Path) -> None:
@@ -217,11 +224,13 @@ def test_the_view_is_saved_and_opens_as_it_was(hand: Hand, tmp_path: Path) -> No
 
 
 def test_a_lost_device_is_replaced(hand: Hand) -> None:
-    before = hand.settle()
+    before = picture_of(hand.settle(), hand)
     lost = weakref.ref(get_device())
     get_device().destroy()
-    assert np.array_equal(picture_of(hand.settle(), hand), picture_of(before, hand))
+    hand.settle()
     assert "lost" in hand.viewer.report()["message"]
+    hand.click(*hand.widget("message/close"))
+    assert alike(picture_of(hand.settle(), hand), before)
     hand.key("s")
     hand.drag(hand.place(0.6, 0.6), hand.place(0.7, 0.6))
     hand.settle()

@@ -37,7 +37,7 @@ class Hand:
     def settle(self, done: Callable[[dict[str, Any]], Any] = lambda report: report["at_rest"]) -> np.ndarray:
         """The canvas once the report says that something has happened, or that nothing is left to refine."""
         for _ in range(PATIENCE):
-            picture = self.draw()
+            self.draw()
             if done(self.viewer.report()):
                 return self.draw(4)
         raise AssertionError("it did not happen")

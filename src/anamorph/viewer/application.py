@@ -36,9 +36,6 @@ from anamorph.viewer.tasks import Shot, saving_of
 SETTLING = 3
 """Frames after the last event: imgui needs them to show what it brought about."""
 
-BEFORE_IMGUI = -100
-"""In the order of a canvas's handlers."""
-
 REST_DELAY = 0.15
 """Seconds without a change after which the picture is refined."""
 
@@ -70,13 +67,11 @@ class Viewer:
         self._saving: Saving | None = None
         self._progress: Progress | None = None
         self._surface = self._new_surface()
-        # Before imgui's own handlers: they keep events to themselves by what the pointer was over one event ago.
-        for handler, *types in (
-            (self._on_pointer, "pointer_down", "pointer_move", "pointer_up", "wheel", "double_click"),
-            (self._on_key, "key_down"),
-            (self._on_any, "key_up", "char", "resize", "pointer_leave"),
-        ):
-            canvas.add_event_handler(handler, *types, order=BEFORE_IMGUI)
+        canvas.add_event_handler(
+            self._on_pointer, "pointer_down", "pointer_move", "pointer_up", "wheel", "double_click"
+        )
+        canvas.add_event_handler(self._on_key, "key_down")
+        canvas.add_event_handler(self._on_any, "key_up", "char", "resize", "pointer_leave")
         canvas.add_event_handler(self._on_close, "close")
         self.frames = 0
         self._pressed_at = 0.0
@@ -91,7 +86,7 @@ class Viewer:
         self._values: object = {}
         self._grip = NO_GRIP
         self._drawn: Drawn | None = None
-        self.close()
+        self._let_go()
         self.refresh()
 
     def refresh(self) -> None:
@@ -104,7 +99,12 @@ class Viewer:
         return report(self._facts(), self.state, self._drawn, self.frames, self._at_rest)
 
     def close(self) -> None:
-        """Let go of everything on the device, and end what runs."""
+        """End what runs, and let go of everything on the device and in imgui; the canvas is of no use after it."""
+        self._let_go()
+        self._surface.close()
+
+    def _let_go(self) -> None:
+        """Of everything that belongs to a scene, or to a device that may be lost."""
         self._stop_saving()
         self._showing, self._space = Showing(), Space(self._scene)
         self._marked: object = None
@@ -118,6 +118,7 @@ class Viewer:
 
     def _on_any(self, event: dict[str, Any]) -> None:
         self.refresh()
+        self._surface.take(event)
 
     def _on_close(self, event: dict[str, Any]) -> None:
         self.close()
@@ -128,10 +129,8 @@ class Viewer:
             self._pressed_at = event.get("time_stamp", 0.0)
         elif event.get("time_stamp", 0.0) < self._pressed_at and event["event_type"] == "pointer_move":
             # A page holds moves back for a while, and sends presses at once.
-            event["stop_propagation"] = True
             return
-        # A press comes before the move that led to it, and imgui takes its place from moves alone.
-        self._surface.imgui.backend.io.add_mouse_pos_event(event["x"], event["y"])
+        self._surface.take(event)
         follows = event["event_type"] in ("pointer_move", "pointer_up")
         covered = self._drawn.covered if self._drawn else ()
         if not follows and any(inside(event["x"], event["y"], area) for area in covered):
@@ -144,6 +143,7 @@ class Viewer:
 
     def _on_key(self, event: dict[str, Any]) -> None:
         self.refresh()
+        self._surface.take(event)
         if self._drawn is not None and self._drawn.typing:
             return
         self.state, requests = press(event, self.state, self._home)
@@ -172,7 +172,7 @@ class Viewer:
             self._paint()
         except wgpu.GPUError as error:
             self.message = f"the graphics device failed: {' '.join(str(error).split())[:200]}"
-            self.close()
+            self._let_go()
         self.frames += 1
         if self._settling > 0:
             self._settling -= 1
@@ -182,7 +182,6 @@ class Viewer:
         """Go on with a new device where the old one is lost, with everything opened anew."""
         if lost is not None:
             self.close()
-            self._surface.close()
             forget_device()
             self._surface = self._new_surface()
             self.message = "the graphics device was lost; this is drawn with a new one"
@@ -273,7 +272,9 @@ class Viewer:
     def _obey(self, requests: tuple[Request, ...]) -> None:
         """Begin what was asked for: one thing after the other, so that no two take each other's time."""
         for request in requests:
-            if request is Request.CANCEL:
+            if request is Request.DISMISS:
+                self.message = ""
+            elif request is Request.CANCEL:
                 self.message = "stopped" if self._saving is not None else self.message
                 self._stop_saving()
             elif self._saving is None and self._scene.meshes:

@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from typing import Any
+
 import numpy as np
 import wgpu
+from imgui_bundle import imgui
 from rendercanvas.base import BaseRenderCanvas
 from wgpu.utils.imgui import ImguiRenderer
 
@@ -62,31 +66,52 @@ class Painter:
         get_device().queue.submit([encoder.finish()])
 
 
+class _Handlers:
+    """Stands for the canvas where imgui's renderer wants one, and keeps its event handlers.
+
+    On the canvas itself they would stay when the renderer goes, and keep events from others by what the pointer was
+    over one event ago.
+    """
+
+    def __init__(self, canvas: BaseRenderCanvas) -> None:
+        self._canvas = canvas
+        self.by_type: dict[str, list[Callable[[dict[str, Any]], None]]] = {}
+
+    def get_wgpu_context(self) -> Any:
+        return self._canvas.get_wgpu_context()
+
+    def add_event_handler(self, handler: Callable[[dict[str, Any]], None], *types: str, order: float = 0.0) -> None:
+        for each in types:
+            self.by_type.setdefault(each, []).append(handler)
+
+
 class Surface:
     """A canvas, on one device."""
 
     def __init__(self, canvas: BaseRenderCanvas) -> None:
         self._context = canvas.get_wgpu_context()
+        if self._context.get_configuration() is not None:
+            # What it keeps is of a device that is gone.
+            self._context.unconfigure()
         form = self._context.get_preferred_format(get_device().adapter).removesuffix("-srgb")
         self._context.configure(device=get_device(), format=form)
-        self.imgui = ImguiRenderer(get_device(), canvas)
+        self._handlers = _Handlers(canvas)
+        self.imgui = ImguiRenderer(get_device(), self._handlers)
         set_theme()
-        self._canvas = canvas
         self._painter = Painter(form)
         self._marks: Marks | None = None
 
     def close(self) -> None:
-        """Take imgui's handlers from the canvas, so that another surface can take its place there."""
-        imgui = self.imgui
-        for handler, *types in (
-            (imgui._on_resize, "resize"),
-            (imgui._on_mouse_move, "pointer_move"),
-            (imgui._on_mouse, "pointer_up", "pointer_down"),
-            (imgui._on_key, "key_up", "key_down"),
-            (imgui._on_wheel, "wheel"),
-            (imgui._on_char_input, "char"),
-        ):
-            self._canvas.remove_event_handler(handler, *types)
+        """Let go of imgui; another surface can take this one's place on the canvas."""
+        imgui.destroy_context(self.imgui.imgui_context)
+
+    def take(self, event: dict[str, Any]) -> None:
+        """Have imgui see an event of the canvas."""
+        if event["event_type"] in ("pointer_down", "pointer_up"):
+            # A press comes before the move that led to it, and imgui takes its place from moves alone.
+            self.imgui.backend.io.add_mouse_pos_event(event["x"], event["y"])
+        for handler in self._handlers.by_type.get(event["event_type"], ()):
+            handler(dict(event))
 
     def mark(self, marks: Marks) -> None:
         """Replace what is drawn into space."""

@@ -192,6 +192,15 @@ def test_what_shows_nothing_says_so():
     assert found.truth == found.path[-1].name != "nothing"
 
 
+def test_what_the_method_sees_directly_lies_straight_ahead_whatever_the_truth_does():
+    frame = frame_of("test", "pervertex")
+    direct = replace(frame, specular=np.zeros_like(frame.specular))
+    (column, row), *_ = [(x, y) for y, x in np.argwhere((frame.specular > 0) & (frame.object_id > 0)).tolist()]
+    found = inspect(space_of("test"), CAMERA, SIZE, (column, row), "pervertex", direct)
+    assert len(found.path) > 2
+    assert found.distance == pytest.approx(np.linalg.norm(np.subtract(frame.position[row, column], CAMERA.position)))
+
+
 @pytest.mark.parametrize("pixel", [(-1, 0), (0, -1), (SIZE[0], 0), (0, SIZE[1])])
 def test_a_pixel_outside_is_refused(pixel):
     with pytest.raises(AnamorphError, match=r"pixel .*outside the picture of 160 x 120"):

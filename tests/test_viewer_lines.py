@@ -7,7 +7,7 @@ from functools import cache
 import numpy as np
 import pytest
 import wgpu
-from hypothesis import assume, given, settings
+from hypothesis import assume, example, given, settings
 from hypothesis import strategies as st
 
 from anamorph.gpu.device import get_device
@@ -189,6 +189,18 @@ def test_any_line_is_where_numpy_draws_it(first, second, width):
 def test_nothing_behind_the_eye_is_drawn(first, second):
     marks = joined([line_marks([[first, second]], ORANGE, 9.0), dot_marks([first, second], ORANGE, 20.0)])
     assert drawn(marks) == pytest.approx(np.broadcast_to(GREY, (*SIZE[::-1], 3)), abs=0.003)
+
+
+@settings(max_examples=25, deadline=None)
+@given(eye=st.tuples(near, near, near), scale=st.sampled_from([0.01, 1.0, 300.0]), width=st.floats(0.1, 12.0))
+@example(eye=(0.0, 0.0, 0.0), scale=1.0, width=1.0)
+@example(eye=(1.0, -2.0, 0.3), scale=300.0, width=9.0)
+def test_what_stands_in_the_eye_itself_is_not_drawn(eye, scale, width):
+    x, y, z = (scale * value for value in eye)
+    camera = Camera((x, y, z), (x + 0.3, y - 0.2, z - 1.0))
+    marks = joined([dot_marks([camera.position], ORANGE, 6.0), line_marks([[camera.position] * 2], ORANGE, width)])
+    picture = drawn(marks, clip=camera_projection(camera, SIZE).clip)
+    assert picture == pytest.approx(np.broadcast_to(GREY, (*SIZE[::-1], 3)), abs=0.003)
 
 
 @settings(max_examples=40, deadline=None)

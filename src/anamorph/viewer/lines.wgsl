@@ -43,6 +43,12 @@ fn inside(part: vec2f, a: f32, b: f32) -> vec2f {
     return part;
 }
 
+// How far a clip point lies before the eye, less what rounding may make of that.
+fn depth(world: vec3f, clipped: vec4f) -> f32 {
+    let row = vec4f(canvas.clip[0].w, canvas.clip[1].w, canvas.clip[2].w, canvas.clip[3].w);
+    return clipped.w - 1e-5 * dot(abs(row), vec4f(abs(world), 1.0)) - 1e-20;
+}
+
 fn pixel(point: vec4f, margin: vec2f) -> vec2f {
     let place = clamp(point.xy / max(point.w, 1e-30), -margin, margin);
     return (0.5 + vec2f(0.5, -0.5) * place) * canvas.size;
@@ -65,7 +71,7 @@ fn stroke_vertex(@builtin(vertex_index) corner: u32, @builtin(instance_index) nu
     // Clipped before it is divided by w, to a little more than the picture: an end near the plane of the eye would lie
     // farther away than pixels can be told apart.
     let margin = 1.0 + 2.0 * (reach + 1.0) / canvas.size;
-    var part = inside(vec2f(0.0, 1.0), a.w - a.z, b.w - b.z);
+    var part = inside(vec2f(0.0, 1.0), depth(stroke.first.xyz, a), depth(stroke.second.xyz, b));
     part = inside(part, margin.x * a.w + a.x, margin.x * b.w + b.x);
     part = inside(part, margin.x * a.w - a.x, margin.x * b.w - b.x);
     part = inside(part, margin.y * a.w + a.y, margin.y * b.w + b.y);

@@ -75,6 +75,7 @@ class Viewer:
         canvas.add_event_handler(self._on_close, "close")
         self.frames = 0
         self._pressed_at = 0.0
+        self._closed = False
         self.open(start)
         canvas.request_draw(self._draw)
 
@@ -100,8 +101,10 @@ class Viewer:
 
     def close(self) -> None:
         """End what runs, and let go of everything on the device and in imgui; the canvas is of no use after it."""
-        self._let_go()
-        self._surface.close()
+        if not self._closed:
+            self._closed = True
+            self._let_go()
+            self._surface.close()
 
     def _let_go(self) -> None:
         """Of everything that belongs to a scene, or to a device that may be lost."""
@@ -165,6 +168,8 @@ class Viewer:
 
     def _draw(self) -> None:
         """One frame: whatever is due, and then the canvas."""
+        if self._closed:
+            return
         # To ask a window for its texture on a lost device would end the process.
         self._recover(device_lost())
         try:
@@ -181,7 +186,8 @@ class Viewer:
     def _recover(self, lost: str | None) -> None:
         """Go on with a new device where the old one is lost, with everything opened anew."""
         if lost is not None:
-            self.close()
+            self._let_go()
+            self._surface.close()
             forget_device()
             self._surface = self._new_surface()
             self.message = "the graphics device was lost; this is drawn with a new one"

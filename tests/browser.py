@@ -126,8 +126,17 @@ class Tab:
         return np.asarray(Image.open(io.BytesIO(self.page.screenshot())).convert("RGB"))
 
     def center(self, name: str) -> tuple[float, float]:
-        """Of a widget, by its name in the report."""
-        left, top, right, bottom = self.report()["rectangles"][name]
+        """Of a widget, by its name in the report, once it stays where it is."""
+
+        def place() -> Any:
+            return self.report()["rectangles"].get(name)
+
+        def settled() -> Any:
+            before = place()
+            time.sleep(0.15)
+            return before if before == place() else None
+
+        left, top, right, bottom = wait_until(settled, f"'{name}'")
         return (left + right) / 2.0, (top + bottom) / 2.0
 
     def click(self, x: float, y: float) -> None:

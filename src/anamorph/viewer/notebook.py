@@ -33,12 +33,21 @@ def make_widget(beginning: Start, size: tuple[int, int]) -> Any:
         When the library of the widget is not installed.
     """
     try:
+        from anywidget import AnyWidget
         from rendercanvas.anywidget import AnywidgetRenderCanvas, loop
     except ImportError as error:
         raise AnamorphError("the viewer in a notebook needs anywidget; pip install 'anamorph[notebook]'") from error
     from anamorph.viewer.application import Viewer
 
-    canvas = AnywidgetRenderCanvas(size=size, max_fps=MOST_PICTURES, vsync=False)
+    class Widget(AnywidgetRenderCanvas):
+        """The library's, whose closing closes it again without end."""
+
+        def _rc_close(self) -> None:
+            if not self._is_closed:
+                self._is_closed = True
+                AnyWidget.close(self)
+
+    canvas = Widget(size=size, max_fps=MOST_PICTURES, vsync=False)
     # The canvas keeps it: it draws and handles the events.
     Viewer(canvas, beginning, loop.call_later)
     return canvas

@@ -8,6 +8,7 @@ import signal
 import socket
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from functools import partial
 from html import escape
 from importlib.resources import files
 from typing import Any
@@ -95,7 +96,7 @@ def _contents(viewer: Viewer, title: str) -> dict[str, Content]:
         contents[path] = media, page.joinpath(name).read_text
     for name in ("renderview.js", "renderview.css"):
         media, text = http.resources[name]
-        contents[f"/{name}"] = media, lambda text=text: text
+        contents[f"/{name}"] = media, partial(str, text)
     contents["/report.json"] = "application/json", lambda: json.dumps(viewer.report(), allow_nan=False)
     return contents
 

@@ -12,7 +12,7 @@ from anamorph.measure.errors import Statistics
 from anamorph.viewer import theme
 from anamorph.viewer.facts import Facts, Figures, Inspection, Request
 from anamorph.viewer.sheet import Sheet, button, caption, field_width, row, section, wrapped
-from anamorph.viewer.state import State
+from anamorph.viewer.state import Layer, State
 from anamorph.viewer.wording import NOT_MEASURED, figure, name_text, number_text, point_text, size_text
 
 SAVED = (
@@ -48,7 +48,8 @@ def figures_section(sheet: Sheet, state: State, facts: Facts) -> None:
         return
     figures = tuple(facts.figures)[: len(state.halves)]
     if not any(figures):
-        caption("Measured when nothing moves.")
+        measuring = state.picked is not None or any(half.layer is Layer.ERROR for half in state.halves)
+        caption("Measured when nothing moves." if measuring else "Show Error, or look into a pixel, to measure them.")
         return
     if len(figures) > 1:
         row("", "left", "right")

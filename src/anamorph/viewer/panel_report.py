@@ -19,7 +19,7 @@ SAVED = (
     (Request.SAVE_PICTURE, "Picture", "The picture as it is seen, without the panel"),
     (Request.SAVE_SCENE, "Scene file", "A scene file that opens this very view again"),
     (Request.SAVE_COMPARISON, "Comparison", "A page that compares the methods on this view, with error maps"),
-    (Request.SAVE_TURNTABLE, "Turntable", "A video in which the eye swings to both sides; from outside, it goes all the way round"),
+    (Request.SAVE_TURNTABLE, "Turntable", "A video of the eye swinging to both sides, or from outside going round"),
     (Request.SAVE_TURNTABLE_SERIES, "PNG series", "The same as a turntable, a picture at a time"),
 )
 

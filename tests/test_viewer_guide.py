@@ -4,18 +4,25 @@ from __future__ import annotations
 
 import re
 import runpy
+from dataclasses import dataclass
 from pathlib import Path
 
 import pytest
 from scenes import CAMERA, scene_with, spherical_mirror
+from viewer_hand import Hand
 
+from anamorph.frame import View
 from anamorph.measure.status import STATUS_NAMES
+from anamorph.methods import METHODS
+from anamorph.methods.options import option
+from anamorph.methods.protocol import Method, Session
 from anamorph.viewer import gestures, panel_report, shortcuts
 from anamorph.viewer.facts import Facts
 from anamorph.viewer.fluency import SCALES, SLOWEST
 from anamorph.viewer.measured import ERROR_MARKS, STATUS_COLORS, scale_ticks
 from anamorph.viewer.panel_methods import DRAWINGS, UNITS
 from anamorph.viewer.reports import report
+from anamorph.viewer.starting import start
 from anamorph.viewer.state import Half, State
 from anamorph.viewer.tasks import SWING
 
@@ -75,6 +82,52 @@ def test_the_report_has_the_fields_that_are_told():
     known = report(facts, State(CAMERA, Half("pervertex"), Half("raytrace")), None, 0, True)
     told = GUIDE.split("For developers")[1].split("`/report.json`")[1].split("\n\n")[0].split(":", 1)[1]
     assert sorted(re.findall(r"`(\w+)`", told)) == sorted(known)
+
+
+@dataclass(frozen=True)
+class Strengths:
+    """What a method might have.
+
+    Parameters
+    ----------
+    strength : int
+        How strong it is.
+    kind : str
+        Of which kind.
+    """
+
+    strength: int = option(3, low=1, high=9)
+    kind: str = option("plain", choices=("plain", "fancy"))
+
+
+def test_a_method_that_is_added_appears_with_its_options_and_is_drawn(monkeypatch):
+    truth, opened = METHODS["raytrace"], []
+
+    def open_session(view: View, options: Strengths) -> Session:
+        opened.append(options)
+        return truth.open(view, truth.options())
+
+    added = Method("added", "draws as the truth does", "nowhere", Strengths, open_session, refracts=True)
+    monkeypatch.setitem(METHODS, "added", added)
+    hand = Hand(start("flat-mirror"))
+    try:
+        hand.click(*hand.widget("first/method"))
+        hand.draw(3)
+        hand.click(*hand.widget("first/method/added"))
+        hand.draw(3)
+        assert hand.viewer.state.first.method == "added"
+        hand.click(*hand.widget("first/options", 0.2))
+        hand.draw(3)
+        hand.click(*hand.widget("first/strength", 0.99))
+        assert {"first/strength", "first/kind"} <= hand.viewer.report()["rectangles"].keys()
+        hand.settle()
+        assert hand.viewer.state.first.method == "added:strength=9" and opened[-1] == Strengths(9)
+        hand.key("2")
+        hand.settle()
+        figures = hand.viewer.report()["figures"][0]
+        assert figures["other_object_percent"] == 0.0 and figures["angular_mrad"]["median"] < 0.01
+    finally:
+        hand.close()
 
 
 @pytest.fixture(scope="module")

@@ -26,8 +26,8 @@ CAMERA = Camera((0.0, 0.0, 3.0), (0.0, 0.0, 0.0), field_of_view=40.0)
 SIZE = (80, 60)
 TESTED = {
     "World frame", "Camera", "Picture", "Clip space", "Matrices", "Texture coordinates", "Colours", "Triangles",
-    "Normals", "Ray directions", "Refraction", "Lenses", "Objects", "Sky pixels", "Precision", "Shapes", "Angles",
-    "Failure",
+    "Normals", "Ray directions", "Refraction", "Lenses", "Turning", "Curvature", "Objects", "Sky pixels", "Precision",
+    "Shapes", "Angles", "Failure",
 }  # fmt: skip
 
 

@@ -15,6 +15,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import trimesh
+from viewer_hand import Hand
 
 from anamorph import cli
 from anamorph.measure.figures import ROWS
@@ -23,6 +24,8 @@ from anamorph.methods import METHODS
 from anamorph.projection import camera_projection
 from anamorph.scene import builtin
 from anamorph.scene.camera import Camera
+from anamorph.viewer import backends
+from anamorph.viewer.starting import Start
 
 ROOT = Path(__file__).resolve().parents[1]
 PAGES = sorted([*ROOT.glob("*.md"), *ROOT.glob("docs/*.md")])
@@ -62,6 +65,17 @@ def scenes_made_once(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(builtin, "make", MAKE_ONCE)
 
 
+@pytest.fixture(autouse=True)
+def viewers_are_closed(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A viewer stays until its user has seen enough: here, a few frames."""
+
+    def show(beginning: Start, *chosen: object, **named: object) -> None:
+        assert not beginning.message
+        Hand(beginning, (320, 240)).close()
+
+    monkeypatch.setattr(backends, "show", show)
+
+
 @pytest.mark.parametrize(("place", "program"), PROGRAMS, ids=[place for place, _ in PROGRAMS])
 def test_a_program_in_a_page_runs_by_itself(place, program, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
@@ -81,6 +95,8 @@ def test_a_command_in_a_page_works(line, tmp_path, monkeypatch, capsys):
     for word in words:
         if word.endswith(".glb"):
             trimesh.creation.box((1.0, 2.0, 3.0)).export(word)
+        if word.endswith(".toml"):
+            Path(word).write_text('builtin = "car-mirror"\nname = "car-mirror"\n')
     small = SMALL if words[0] in ("render", "compare") else ()
     assert cli.main([*words, *small]) == 0, capsys.readouterr().err
     outputs = re.findall(r"(?:-o|--json|--html) (\S+)|=(\S+\.npy)", line)

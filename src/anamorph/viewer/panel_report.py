@@ -12,15 +12,15 @@ from anamorph.measure.errors import Statistics
 from anamorph.viewer import theme
 from anamorph.viewer.facts import Facts, Figures, Inspection, Request
 from anamorph.viewer.sheet import Sheet, button, caption, field_width, row, section, wrapped
-from anamorph.viewer.state import State
+from anamorph.viewer.state import Layer, State
 from anamorph.viewer.wording import NOT_MEASURED, figure, name_text, number_text, point_text, size_text
 
 SAVED = (
     (Request.SAVE_PICTURE, "Picture", "The picture as it is seen, without the panel"),
     (Request.SAVE_SCENE, "Scene file", "A scene file that opens this very view again"),
     (Request.SAVE_COMPARISON, "Comparison", "A page that compares the methods on this view, with error maps"),
-    (Request.SAVE_TURNTABLE, "Turntable", "A video of one turn around what is looked at"),
-    (Request.SAVE_TURNTABLE_SERIES, "PNG series", "One turn around what is looked at, a picture at a time"),
+    (Request.SAVE_TURNTABLE, "Turntable", "A video of the eye swinging to both sides, or from outside going round"),
+    (Request.SAVE_TURNTABLE_SERIES, "PNG series", "The same as a turntable, a picture at a time"),
 )
 
 
@@ -48,7 +48,8 @@ def figures_section(sheet: Sheet, state: State, facts: Facts) -> None:
         return
     figures = tuple(facts.figures)[: len(state.halves)]
     if not any(figures):
-        caption("Measured when nothing moves.")
+        measuring = state.picked is not None or any(half.layer is Layer.ERROR for half in state.halves)
+        caption("Measured when nothing moves." if measuring else "Show Error, or look into a pixel, to measure them.")
         return
     if len(figures) > 1:
         row("", "left", "right")

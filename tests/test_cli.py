@@ -129,6 +129,7 @@ def test_a_view_of_nothing_named_is_that_of_the_first_scene():
     assert make_parser().parse_args(["view", "room", "--port", "1"]).scene == "room"
 
 
+@pytest.mark.skipif(not sys.platform.startswith("linux"), reason="elsewhere a driver cannot be hidden")
 @pytest.mark.parametrize(
     "arguments", [("view", "--backend", "browser"), ("turntable", "flat-mirror", "-o", "a.webm", "--size", "32x24")]
 )
@@ -137,8 +138,6 @@ def test_without_an_adapter_a_command_that_draws_is_refused_in_one_line(argument
     result = subprocess.run(
         [*COMMAND, *arguments], capture_output=True, text=True, cwd=tmp_path, env=hidden, timeout=60
     )
-    if result.returncode == 0:
-        pytest.skip("another driver than Vulkan's is there")
     assert "no Vulkan, Metal or DirectX 12 adapter: install" in one_line_error(result)
     assert os.listdir(tmp_path) == []
 

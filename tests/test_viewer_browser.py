@@ -85,6 +85,8 @@ def test_another_scene_is_opened_from_the_keyboard_and_the_page_is_called_after_
     with served(tmp_path, "flat-mirror") as viewer, tab_of(browser, viewer) as tab:
         tab.wait_until(lambda report: report["at_rest"], "rest")
         before = tab.picture()
+        press = "new KeyboardEvent('keydown', { key: 'o', ctrlKey: true, cancelable: true })"
+        assert tab.page.evaluate(f"!window.dispatchEvent({press})"), "the browser would open a file of its own"
         tab.page.keyboard.press("Control+o")
         report = tab.wait_until(lambda report: "opening/path" in report["rectangles"], "the page that opens scenes")
         tab.wait_until(lambda now: now["frames"] > report["frames"] + 2 or now["at_rest"])

@@ -117,6 +117,14 @@ def test_all_of_the_page_is_seen_without_scrolling(opened, size) -> None:
     assert "first/method" not in found
 
 
+@pytest.mark.parametrize("name", ["w" * 1000, "a name that goes on and on " * 20, "…"])
+def test_a_name_keeps_to_its_button(opened, scene, name) -> None:
+    short, long = opened(), opened(of=replace(scene, name=name))
+    _, top, right, bottom = (round(edge) for edge in short.drawn.rectangles["opening/show"])
+    beside = np.s_[top:bottom, right - 22 : 276]
+    assert np.array_equal(short.frames()[beside], long.frames()[beside])
+
+
 def test_another_scene_is_announced_and_then_shown_as_if_it_came_first(hand: Hand, monkeypatch) -> None:
     hand.settle()
     hand.key("o", "Control")

@@ -19,7 +19,6 @@ from anamorph.output import PICTURES, check_directory, check_output, save_array,
 from anamorph.progress import progress_bar
 from anamorph.quiet import heed, hush
 from anamorph.versions import versions
-from anamorph.video import check_video
 
 if TYPE_CHECKING:
     from anamorph.scene.cad import FaceChoice
@@ -157,7 +156,6 @@ def _view(arguments: argparse.Namespace) -> None:
 
 
 def _turntable(arguments: argparse.Namespace) -> None:
-    check_video(arguments.output, arguments.size or (1, 1))
     from anamorph.turntable import save_turntable
 
     told = save_turntable(

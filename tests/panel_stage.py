@@ -26,6 +26,7 @@ class Stage:
     def __init__(self, state: State, facts: Facts, ratio: float = 1.0) -> None:
         self.state, self.facts = state, facts
         self.requests: list[Request] = []
+        self.opens: list[str] = []
         self.widths: dict[str, float] = {}
         self._measured: Iterable[str] = ()
         self._device = get_device()
@@ -75,6 +76,16 @@ class Stage:
         left, top, right, bottom = self.drawn.rectangles[key]
         return left + share * (right - left), (top + bottom) / 2
 
+    def type(self, text: str) -> None:
+        """Into the field that has the keys."""
+        self.send("char", data=text, char_str=text)
+        self.frames(2)
+
+    def key(self, name: str) -> None:
+        self.send("key_down", key=name)
+        self.send("key_up", key=name)
+        self.frames(2)
+
     def press(self, key: str, share: float = 0.5) -> None:
         """Press a widget and let it go."""
         self.reveal(key)
@@ -101,6 +112,7 @@ class Stage:
         self.drawn = draw_panel(self.state, self.facts)
         self.state = self.drawn.state
         self.requests += self.drawn.requests
+        self.opens += [] if self.drawn.opens is None else [self.drawn.opens]
         self.density = imgui.get_font_baked().rasterizer_density
         self.widths = {text: imgui.calc_text_size(text).x for text in self._measured}
 

@@ -22,6 +22,9 @@ from rich.console import Console
 
 import anamorph
 from anamorph import cli, demo, progress
+from anamorph.arguments import make_parser
+from anamorph.scene.builtin import SCENES
+from anamorph.srgb import encode_srgb
 
 COMMAND = [sys.executable, "-m", "anamorph"]
 HOME = Path(anamorph.__file__).resolve().parents[1]
@@ -102,6 +105,43 @@ def test_compare_prints_a_table_and_writes_json_and_a_page(tmp_path):
     assert figures["command"] in page
 
 
+def test_turntable_writes_a_video_or_a_folder_and_says_which(tmp_path):
+    options = ("--size", "48x32", "--frames", "3")
+    told = quiet_success(
+        run("turntable", "flat-mirror", "-o", "a.webp", "--swing", "10", "--samples", "2", *options, directory=tmp_path)
+    )
+    assert told == "saved a.webp\n"
+    with Image.open(tmp_path / "a.webp") as video:
+        assert (video.size, video.n_frames) == ((48, 32), 3)
+    told = quiet_success(
+        run("turntable", "flat-mirror", "-m", "raytrace", "-o", "a", *options[:2], "--frames", "2", directory=tmp_path)
+    )
+    assert told == "saved a\n"
+    assert sorted(path.name for path in (tmp_path / "a").iterdir()) == ["frame-0001.png", "frame-0002.png"]
+    drawn = anamorph.render("flat-mirror", "raytrace", size=(48, 32)).color
+    first = np.asarray(Image.open(tmp_path / "a" / "frame-0001.png"))
+    assert np.abs(encode_srgb(np.clip(drawn, 0, 1).astype(float)) - first / 255.0).max() < 2.0 / 255.0
+
+
+def test_a_view_of_nothing_named_is_that_of_the_first_scene():
+    named = make_parser().parse_args(["view"])
+    assert named.scene == next(iter(SCENES)) == "car-mirror"
+    assert make_parser().parse_args(["view", "room", "--port", "1"]).scene == "room"
+
+
+@pytest.mark.skipif(not sys.platform.startswith("linux"), reason="elsewhere a driver cannot be hidden")
+@pytest.mark.parametrize(
+    "arguments", [("view", "--backend", "browser"), ("turntable", "flat-mirror", "-o", "a.webm", "--size", "32x24")]
+)
+def test_without_an_adapter_a_command_that_draws_is_refused_in_one_line(arguments, tmp_path):
+    hidden = environment(VK_DRIVER_FILES="/none", VK_ICD_FILENAMES="/none")
+    result = subprocess.run(
+        [*COMMAND, *arguments], capture_output=True, text=True, cwd=tmp_path, env=hidden, timeout=60
+    )
+    assert "no Vulkan, Metal or DirectX 12 adapter: install" in one_line_error(result)
+    assert os.listdir(tmp_path) == []
+
+
 def test_scenes_are_listed_one_a_line():
     lines = quiet_success(run("scenes")).splitlines()
     assert {"car-mirror", "spheres", "room"} <= {line.split()[0] for line in lines}
@@ -138,6 +178,12 @@ USAGE = {
     "unknown buffer": (("render", "nowhere", "-o", "a.png", "--seen", "depth=a.npy"), "'depth=a.npy' is no seen"),
     "buffer without file": (("render", "nowhere", "-o", "a.png", "--seen", "position"), "write NAME=FILE.npy"),
     "buffer as picture": (("render", "nowhere", "-o", "a.png", "--seen", "position=a.jpg"), "end the name in .npy"),
+    "a turntable of no kind": (("turntable", "nowhere", "-o", "a.mp4"), "end the name in .webm, .webp, or in nothing"),
+    "a turntable too large": (("turntable", "nowhere", "-o", "a.webm", "--size", "16384x2"), "at most 16383 pixels"),
+    "a turntable without end": (("turntable", "nowhere", "-o", "a.webm", "--frames", "10000"), "up to 9999"),
+    "swing of words": (("turntable", "nowhere", "-o", "a.webm", "--swing", "nan"), "'nan' is no swing"),
+    "no turntable": (("turntable", "nowhere"), "-o/--output"),
+    "two scenes to view": (("view", "nowhere", "elsewhere"), "elsewhere"),
     "one file for two": (("render", "nowhere", "-o", "a.npy", "--seen", "position=a.npy"), "a.npy: is asked for twice"),
     "page over figures": (("compare", "nowhere", "--json", "a", "--html", "a"), "a: is asked for twice"),
     "page nowhere": (("compare", "nowhere", "--html", "no/a.html"), "no/a.html: there is no directory"),
@@ -155,6 +201,9 @@ INPUT = {
     "unknown method": (("render", "spheres", "-m", "magic", "-o", "a.png"), "magic"),
     "unknown method option": (("compare", "spheres", "-m", "pervertex:gloss=1"), "gloss"),
     "wrong value of an option": (("render", "spheres", "-m", "pervertex:antialias=many", "-o", "a.png"), "many"),
+    "turntable by no method": (("turntable", "spheres", "-m", "magic", "-o", "a.webm"), "magic"),
+    "turntable of no scene": (("turntable", "nowhere", "-o", "a.webm"), "nowhere"),
+    "faces of no CAD file": (("turntable", "spheres", "-o", "a.webm", "--faces", "1"), "are for CAD files"),
     "missing file": (("render", "no.glb", "-o", "a.png"), "no.glb"),
     "unknown scene": (("compare", "nowhere"), "nowhere"),
     "damaged file": (("render", "damaged.glb", "-o", "a.png"), "damaged.glb"),

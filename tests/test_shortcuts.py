@@ -41,6 +41,8 @@ def after(name, *modifiers, state=STATE, home=HOME):
         (key("?", "Shift"), {"help": True}),
         (key("/", "Shift"), {"help": True}),
         (key("Tab"), {"panel": False}),
+        (key("o", "Control"), {"opening": ""}),
+        (key("o", "Meta"), {"opening": ""}),
         (key("s"), {"split": True}),
         (key("x"), {"first": STATE.second, "second": STATE.first}),
         (key("u"), {"unit": "px"}),

@@ -81,6 +81,33 @@ def test_the_divider_a_slider_the_method_and_a_click_do_what_they_are_for(browse
         assert viewer.interrupt() == (0, "")
 
 
+def test_another_scene_is_opened_from_the_keyboard_and_the_page_is_called_after_it(browser, tmp_path):
+    with served(tmp_path, "flat-mirror") as viewer, tab_of(browser, viewer) as tab:
+        tab.wait_until(lambda report: report["at_rest"], "rest")
+        before = tab.picture()
+        press = "new KeyboardEvent('keydown', { key: 'o', ctrlKey: true, cancelable: true })"
+        assert tab.page.evaluate(f"!window.dispatchEvent({press})"), "the browser would open a file of its own"
+        tab.page.keyboard.press("Control+o")
+        report = tab.wait_until(lambda report: "opening/path" in report["rectangles"], "the page that opens scenes")
+        tab.wait_until(lambda now: now["frames"] > report["frames"] + 2 or now["at_rest"])
+        tab.page.keyboard.type("sphere")
+        tab.wait_until(lambda report: report["state"]["opening"] == "sphere", "what is typed")
+        assert tab.report()["state"]["samples"] == report["state"]["samples"] and not tab.report()["state"]["split"]
+        tab.key("Enter")
+        tab.wait_until(lambda report: "spheres" in report["message"], "a name that is near")
+        assert tab.page.title() == "flat-mirror - Anamorph"
+        tab.click(*tab.center("opening/spheres"))
+        tab.wait_until(lambda report: report["scene"] == "spheres" and report["at_rest"], "the other scene")
+        wait_until(lambda: tab.page.title() == "spheres - Anamorph", "its title")
+        view = [300.0, 60.0, 1000.0, 600.0]
+        wait_until(lambda: changed(inside(before, view), inside(tab.picture(), view)) > 0.5, "its picture")
+        tab.page.reload()
+        tab.wait_for_picture()
+        assert tab.page.title() == "spheres - Anamorph"
+        assert tab.complaints == []
+        assert viewer.interrupt() == (0, "")
+
+
 def test_the_picture_follows_the_window_and_the_tab_that_controls_it(browser, tmp_path):
     with served(tmp_path, "flat-mirror") as viewer, tab_of(browser, viewer, has_touch=True) as tab:
         tab.wait_until(lambda report: report["size"] == [1000, 640])

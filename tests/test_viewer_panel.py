@@ -85,6 +85,8 @@ def pressed(stage: Stage, *keys: str) -> State:
         (["panel/hide"], {"panel": False}),
         (["panel/hide", "panel/show"], {}),
         (["help/show"], {"help": True}),
+        (["opening/show"], {"opening": ""}),
+        (["opening/show", "opening/show"], {}),
         (["help/show", "help/close"], {}),
         *((["section/space", f"space/{each}"], {"drawings": frozenset({each})}) for each in Drawing),
         *((["section/save", request], {}) for request, _, _ in SAVED),
@@ -162,10 +164,8 @@ def typed(stage: Stage, key: str, text: str) -> None:
     stage.send("key_up", key="Control")
     stage.frames(2)
     assert stage.drawn.typing
-    stage.send("char", data=text, char_str=text)
-    stage.send("key_down", key="Enter")
-    stage.send("key_up", key="Enter")
-    stage.frames(2)
+    stage.type(text)
+    stage.key("Enter")
     assert not stage.drawn.typing
 
 
@@ -240,7 +240,7 @@ def test_nothing_overlaps_and_all_lies_in_the_canvas_or_the_scrolled_panel(opene
     pressed(stage, *FOLDED)
     found, canvas = stage.drawn.rectangles, (0.0, 0.0, *map(float, size))
     widgets = {key: rectangle for key, rectangle in found.items() if key not in BOXES}
-    body, heading = found["panel/body"], {"help/show", "panel/hide"}
+    body, heading = found["panel/body"], {"opening/show", "help/show", "panel/hide"}
     for (one, a), (other, b) in combinations(widgets.items(), 2):
         # What is scrolled away lies behind the heading, unseen.
         assert not overlap(a, b) or len({one, other} & heading) == 1, f"{one} and {other}"
@@ -301,6 +301,7 @@ def test_a_very_long_name_and_message_leave_room_for_the_rest(opened, scene) -> 
     _, top, _, bottom = found["panel/body"]
     assert bottom - top > 250.0 and inside(found["panel/body"], found["panel"])
     assert inside(found["notice"], (0.0, 0.0, 640.0, 480.0)) and not overlap(found["notice"], found["panel"])
+    assert inside(found["opening/show"], found["panel"]) and not overlap(found["opening/show"], found["help/show"])
     assert inside(found["help/show"], found["panel"]) and inside(found["message/close"], found["notice"])
 
 

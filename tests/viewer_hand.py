@@ -19,6 +19,8 @@ PATIENCE = 500
 class Hand:
     """Sends events to a viewer, and looks at what it draws."""
 
+    shown: np.ndarray
+
     def __init__(self, start: Start, size: tuple[int, int] = (560, 300), ratio: float = 1.0) -> None:
         self.canvas = OffscreenRenderCanvas(size=size, pixel_ratio=ratio)
         self.viewer = Viewer(self.canvas, start)
@@ -31,8 +33,8 @@ class Hand:
     def draw(self, count: int = 1) -> np.ndarray:
         """The canvas after so many frames, (H, W, 3) uint8."""
         for _ in range(count):
-            picture = np.asarray(self.canvas.draw())
-        return picture[..., :3].copy()
+            self.shown = np.asarray(self.canvas.draw())[..., :3].copy()
+        return self.shown
 
     def settle(self, done: Callable[[dict[str, Any]], Any] = lambda report: report["at_rest"]) -> np.ndarray:
         """The canvas once the report says that something has happened, or that nothing is left to refine."""
@@ -50,6 +52,12 @@ class Hand:
     def key(self, name: str, *modifiers: str) -> None:
         self.send("key_down", key=name, modifiers=modifiers)
         self.send("key_up", key=name, modifiers=modifiers)
+
+    def type(self, text: str) -> None:
+        """Into the field that has the keys."""
+        self.draw(2)
+        self.send("char", data=text, char_str=text)
+        self.draw(2)
 
     def place(self, x: float, y: float) -> tuple[float, float]:
         """On the canvas, from shares of the picture's width and height."""

@@ -9,9 +9,13 @@ from typing import NoReturn
 from anamorph.errors import AnamorphError
 from anamorph.output import PICTURES
 from anamorph.versions import versions
+from anamorph.video import MOST_FRAMES, VIDEOS
 
-MOST_FRAMES = 300
-"""Of a benchmark: where every vertex is in each of them is kept ready."""
+MOST_TIMED = 300
+"""Frames of a benchmark: where every vertex is in each of them is kept ready."""
+
+FIRST_SCENE = "car-mirror"
+"""What there is to look at for who names nothing."""
 
 SEEN = ("position", "object_id", "specular", "status", "deviation")
 
@@ -24,7 +28,10 @@ EXAMPLES = """examples:
   anamorph render car-mirror --tolerance 0.5 -o sure.png --seen status=status.npy deviation=deviation.npy
   anamorph render mirror.step --scene car-mirror --faces 1 -o mirror.png
   anamorph compare car-mirror -m pervertex -m environment --html report.html --json report.json
-  anamorph view car-mirror
+  anamorph view
+  anamorph view mirror.step --scene car-mirror
+  anamorph turntable car-mirror -o mirror.webm --swing 20
+  anamorph turntable model.glb -o frames --frames 36 --size 800x600 --samples 2
   anamorph bench deforming
   anamorph bench trilinear --output times
   anamorph demo
@@ -59,10 +66,24 @@ def _samples(text: str) -> int:
     return int(text)
 
 
-def _frames(text: str) -> int:
-    if not (text.isascii() and text.isdigit() and 0 < int(text) <= MOST_FRAMES):
-        raise argparse.ArgumentTypeError(f"'{text}' is no number of frames; write a whole number up to {MOST_FRAMES}")
+def _frames(text: str, most: int = MOST_FRAMES) -> int:
+    if not (text.isascii() and text.isdigit() and 0 < int(text) <= most):
+        raise argparse.ArgumentTypeError(f"'{text}' is no number of frames; write a whole number up to {most}")
     return int(text)
+
+
+def _timed_frames(text: str) -> int:
+    return _frames(text, MOST_TIMED)
+
+
+def _swing(text: str) -> float:
+    try:
+        degrees = float(text)
+    except ValueError:
+        degrees = 0.0
+    if not 0.0 < degrees <= 180.0:
+        raise argparse.ArgumentTypeError(f"'{text}' is no swing; write more than 0 and at most 180 degrees")
+    return degrees
 
 
 def _faces(text: str) -> tuple[int | str, ...]:
@@ -152,12 +173,24 @@ def make_parser() -> argparse.ArgumentParser:
     view = command(
         "view", "look at a scene, or a model before a convex mirror: turn it, and see how true the picture is"
     )
-    view.add_argument("scene", metavar="SCENE|MODEL", help=scene)
+    named = f"{scene} ({FIRST_SCENE})"
+    view.add_argument("scene", metavar="SCENE|MODEL", nargs="?", default=FIRST_SCENE, help=named)
     view.add_argument("-m", "--method", metavar="METHOD", help=method)
     backends = "a window (desktop), a page on this machine (browser), or the window where one can open (auto)"
     view.add_argument("--backend", choices=BACKENDS, default="auto", help=f"{backends} (auto)")
     view.add_argument("--port", metavar="N", type=_port, default=0, help="of the page (0: any that is free)")
     view.add_argument("--size", metavar="WxH", type=_size, help="size of the window, like 1280x720")
+
+    turntable = command("turntable", "save a video of the eye going once round what it looks at, or to and fro")
+    turntable.add_argument("scene", metavar="SCENE|MODEL", help=scene)
+    turntable.add_argument("-m", "--method", metavar="METHOD", help=method)
+    videos = f"{', '.join(VIDEOS)}, or without a suffix a folder for numbered PNG pictures"
+    turntable.add_argument("-o", "--output", metavar="FILE|DIR", type=Path, required=True, help=f"the video: {videos}")
+    turntable.add_argument("--size", metavar="WxH", type=_size, help=size)
+    turntable.add_argument("--frames", metavar="N", type=_frames, default=120, help="how many, 30 a second (120)")
+    swing = "go this far to either side and back, not all the way round: behind a mirror there is little to see"
+    turntable.add_argument("--swing", metavar="DEG", type=_swing, help=swing)
+    turntable.add_argument("--samples", metavar="N", type=_samples, default=1, help="N x N samples a pixel (1)")
 
     bench = commands.add_parser("bench", help="time methods against the ray tracer", allow_abbrev=False)
     benchmarks = bench.add_subparsers(metavar="BENCHMARK", required=True, dest="benchmark")
@@ -170,7 +203,7 @@ def make_parser() -> argparse.ArgumentParser:
 
     deforming = benchmark("deforming", "time methods while a scene of 300,000 triangles deforms")
     deforming.add_argument("--size", metavar="WxH", type=_size, help=size)
-    deforming.add_argument("--frames", metavar="N", type=_frames, default=30, help="how many frames are timed (30)")
+    deforming.add_argument("--frames", metavar="N", type=_timed_frames, default=30, help="how many are timed (30)")
     trilinear = benchmark("trilinear", "make the measurements of Vallance's thesis again")
     trilinear.add_argument(
         "--output", metavar="DIR", type=Path, default=Path("bench-output"), help="tables and plots (bench-output)"
@@ -180,7 +213,7 @@ def make_parser() -> argparse.ArgumentParser:
         "--part", metavar="PART", action="append", help="random, clipping, configurations, ...; may be repeated (all)"
     )
 
-    for added in (render, compare, view):
+    for added in (render, compare, view, turntable):
         cad(added)
     command("scenes", "list the built-in scenes")
     command("info", "print the graphics adapter, the versions and the methods")

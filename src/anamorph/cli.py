@@ -155,6 +155,23 @@ def _view(arguments: argparse.Namespace) -> None:
     show(beginning, arguments.backend, arguments.port, arguments.size)
 
 
+def _turntable(arguments: argparse.Namespace) -> None:
+    from anamorph.turntable import save_turntable
+
+    told = save_turntable(
+        arguments.scene,
+        arguments.output,
+        arguments.method,
+        arguments.size,
+        arguments.frames,
+        arguments.swing,
+        arguments.samples,
+        choice=_face_choice(arguments),
+        mirror_of=arguments.mirror_of,
+    )
+    print(told)
+
+
 def _bench_deforming(arguments: argparse.Namespace) -> None:
     from anamorph.measure.deforming import DEFAULT, deforming_table, time_deforming
     from anamorph.measure.table import print_table
@@ -261,6 +278,7 @@ COMMANDS = {
     "render": _render,
     "compare": _compare,
     "view": _view,
+    "turntable": _turntable,
     "bench deforming": _bench_deforming,
     "bench trilinear": _bench_trilinear,
     "scenes": _scenes,

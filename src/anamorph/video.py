@@ -27,6 +27,9 @@ LARGEST = 16383
 LONGEST = 2**32 - 2**24
 """Bytes of an animated WebP file, which counts them in 32 bits, with room for one more frame."""
 
+MOST_FRAMES = 9999
+"""As many as the names of a series number alike."""
+
 RATES = (1.0, 120.0)
 """Frames a second."""
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable
 from pathlib import Path
 from time import perf_counter
@@ -15,6 +16,7 @@ from anamorph.errors import AnamorphError
 from anamorph.gpu.device import adapter_name, device_lost, forget_device
 from anamorph.projection import camera_projection
 from anamorph.scene.model import Scene
+from anamorph.viewer import starting
 from anamorph.viewer.controls import edited
 from anamorph.viewer.facts import Facts, Progress, Request
 from anamorph.viewer.gestures import NO_GRIP, cursor, handle
@@ -27,8 +29,8 @@ from anamorph.viewer.saving import Saving
 from anamorph.viewer.shortcuts import press
 from anamorph.viewer.showing import Showing
 from anamorph.viewer.space import Space, space_marks
-from anamorph.viewer.starting import Start
-from anamorph.viewer.state import looking_eye, shown_camera
+from anamorph.viewer.starting import Start, carried_over
+from anamorph.viewer.state import State, looking_eye, shown_camera
 from anamorph.viewer.surface import Surface
 from anamorph.viewer.tasks import Shot, saving_of
 
@@ -75,19 +77,34 @@ class Viewer:
         self.frames = 0
         self._pressed_at = 0.0
         self._closed = False
-        self.open(start)
+        self._begin(start, start.state)
         canvas.request_draw(self._draw)
 
     def open(self, start: Start) -> None:
-        """Show another scene, or say why there is none."""
-        self.start, self.state, self.message = start, start.state, start.message
+        """Show another scene with what is set now; where there is none, say why and go on with this one."""
+        if start.message:
+            self.message = start.message
+            self.refresh()
+        else:
+            self._begin(start, carried_over(self.state, start))
+
+    def _begin(self, start: Start, state: State) -> None:
+        self.start, self.state = start, state
+        self.message = start.message or ("stopped saving" if self._saving is not None else "")
         self._home = Home(start.state, start.opened.scene)
         self._scene = start.opened.scene
         self._values: object = {}
         self._grip = NO_GRIP
         self._drawn: Drawn | None = None
+        self._asked: tuple[str, int] | None = None
         self._let_go()
+        self._canvas.set_title(self.title)
         self.refresh()
+
+    @property
+    def title(self) -> str:
+        """Of the window or the page."""
+        return f"{self.start.opened.scene.name} - Anamorph"
 
     def refresh(self) -> None:
         """Draw again soon, because something may have changed."""
@@ -172,6 +189,7 @@ class Viewer:
         # To ask a window for its texture on a lost device would end the process.
         self._recover(device_lost())
         try:
+            self._open_asked()
             self._advance()
             self._paint()
         except wgpu.GPUError as error:
@@ -238,6 +256,16 @@ class Viewer:
             self.state = self._drawn.state
             self.refresh()
         self._obey(self._drawn.requests)
+        if self._drawn.opens is not None:
+            self._asked = self._drawn.opens, self.frames
+            self.message = f"opening {self._drawn.opens} …"
+            self.refresh()
+
+    def _open_asked(self) -> None:
+        """Open what was asked for, which may take seconds, once it is seen that this is being done."""
+        if self._asked is not None and self.frames >= self._asked[1] + SETTLING:
+            name, self._asked = self._asked[0], None
+            self.open(starting.start(os.path.expanduser(name)))
 
     def _edited_scene(self) -> Scene:
         """The scene with what its controls have been set to; where that cannot be, the last one that could."""

@@ -52,11 +52,10 @@ def serve(beginning: Start, port: int, size: tuple[int, int], tell: Callable[[st
         When the port cannot be had.
     """
     with _listen(port) as listener:
-        title = f"{beginning.opened.scene.name} - Anamorph"
-        canvas = HttpRenderCanvas(title=title, max_fps=MOST_PICTURES, vsync=False)
+        canvas = HttpRenderCanvas(max_fps=MOST_PICTURES, vsync=False)
         canvas._size_info.set_physical_size(*size, 1.0)
         viewer = Viewer(canvas, beginning, loop.call_later)
-        gate = Gate(_drawing, listener.getsockname()[1], _contents(viewer, title))
+        gate = Gate(_drawing, listener.getsockname()[1], _contents(viewer))
         config = uvicorn.Config(
             gate,
             http="h11",
@@ -87,16 +86,17 @@ def _listen(port: int) -> socket.socket:
         raise AnamorphError(f"--port {port}: {reason}; choose another, or 0 for any that is free") from error
 
 
-def _contents(viewer: Viewer, title: str) -> dict[str, Content]:
+def _contents(viewer: Viewer) -> dict[str, Content]:
     """What is served, by path."""
     contents: dict[str, Content] = {}
     page = files(__package__)
-    contents["/"] = "text/html", lambda: page.joinpath("page.html").read_text().replace("{title}", escape(title))
+    text = page.joinpath("page.html").read_text()
+    contents["/"] = "text/html", lambda: text.replace("{title}", escape(viewer.title))
     for path, (media, name) in SCRIPTS.items():
         contents[path] = media, page.joinpath(name).read_text
     for name in ("renderview.js", "renderview.css"):
-        media, text = http.resources[name]
-        contents[f"/{name}"] = media, partial(str, text)
+        media, resource = http.resources[name]
+        contents[f"/{name}"] = media, partial(str, resource)
     contents["/report.json"] = "application/json", lambda: json.dumps(viewer.report(), allow_nan=False)
     return contents
 

@@ -55,9 +55,7 @@ def open_window(beginning: Start, size: tuple[int, int] | None = None) -> None:
 
     from anamorph.viewer.application import Viewer
 
-    canvas = GlfwRenderCanvas(
-        size=size or _fitting(), title=f"{beginning.opened.scene.name} - Anamorph", max_fps=MOST_PICTURES, vsync=True
-    )
+    canvas = GlfwRenderCanvas(size=size or _fitting(), max_fps=MOST_PICTURES, vsync=True)
     viewer = Viewer(canvas, beginning, loop.call_later)
 
     async def mind_interrupts() -> None:

@@ -40,12 +40,15 @@ def make_widget(beginning: Start, size: tuple[int, int]) -> Any:
     from anamorph.viewer.application import Viewer
 
     class Widget(AnywidgetRenderCanvas):
-        """The library's, whose closing closes it again without end."""
+        """The library's, whose closing closes it again without end, and which sets a title in a bar of its own."""
 
         def _rc_close(self) -> None:
             if not self.get_closed():
                 self._is_closed = True
                 AnyWidget.close(self)
+
+        def _rc_set_title(self, title: str) -> None:
+            pass
 
     canvas = Widget(size=size, max_fps=MOST_PICTURES, vsync=False)
     # The canvas keeps it: it draws and handles the events.

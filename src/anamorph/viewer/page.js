@@ -6,7 +6,7 @@
 const status = document.getElementById('status')
 const wrapper = document.getElementById('canvas')
 const SLOWEST_RETRY = 4000 // milliseconds
-const TAKEN = new Set(['F1', 'Tab', 'Ctrl+s']) // keys for which viewer and browser each have a use
+const TAKEN = new Set(['F1', 'Tab', 'Ctrl+o', 'Ctrl+s']) // keys for which viewer and browser each have a use
 
 let socket = null
 let retry = 250

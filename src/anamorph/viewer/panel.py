@@ -18,6 +18,7 @@ from anamorph.viewer.legend import draw_divider, draw_legends
 from anamorph.viewer.notice import draw_notice
 from anamorph.viewer.panel_help import draw_help
 from anamorph.viewer.panel_methods import picture_section, quality_section, space_section
+from anamorph.viewer.panel_opening import opening_page, scene_button
 from anamorph.viewer.panel_report import (
     figures_section,
     inspection_section,
@@ -25,7 +26,7 @@ from anamorph.viewer.panel_report import (
     timing_section,
 )
 from anamorph.viewer.panel_scene import eye_section, scene_section
-from anamorph.viewer.sheet import Sheet, available, button, sign, text_width, tip, to_column, wrapped
+from anamorph.viewer.sheet import Sheet, available, button, sign, text_width, to_column
 from anamorph.viewer.state import EyeSide, State
 from anamorph.viewer.wording import size_text
 
@@ -41,9 +42,6 @@ FIXED = (
 SEPARATOR = "   ·   "
 HELP = "F1 for help"
 
-LONGEST_NAME = 100
-"""Letters of a scene's name; the rest is told where the pointer rests on it."""
-
 
 @dataclass(frozen=True)
 class Drawn:
@@ -57,6 +55,8 @@ class Drawn:
         What the user has just asked for.
     rectangles : mapping of str to Rectangle
         Where each widget is, by its key; those scrolled out of the panel lie outside of the rectangle "panel/body".
+    opens : str or None
+        The scene that the user has just asked for: the name of a built-in one, or a path.
     covered : tuple of Rectangle
         Where the pointer belongs to imgui, and not to the picture.
     typing : bool
@@ -66,6 +66,7 @@ class Drawn:
     state: State
     requests: tuple[Request, ...]
     rectangles: Mapping[str, Rectangle]
+    opens: str | None
     covered: tuple[Rectangle, ...]
     typing: bool
 
@@ -94,7 +95,8 @@ def draw_panel(state: State, facts: Facts) -> Drawn:
     draw_notice(sheet, facts, (area[0], lowest, *area[2:]))
     state = draw_help(sheet, state, facts.size)
     typing = imgui.get_io().want_text_input
-    return Drawn(state, tuple(sheet.requests), sheet.rectangles, tuple(sheet.covered), typing)
+    opens = sheet.opens[-1] if sheet.opens else None
+    return Drawn(state, tuple(sheet.requests), sheet.rectangles, opens, tuple(sheet.covered), typing)
 
 
 def _panel(sheet: Sheet, state: State, facts: Facts) -> State:
@@ -104,12 +106,7 @@ def _panel(sheet: Sheet, state: State, facts: Facts) -> State:
     sheet.cover_window("panel")
     side = imgui.get_frame_height()
     end = imgui.get_cursor_pos_x() + available()
-    imgui.begin_group()
-    imgui.align_text_to_frame_padding()
-    name = facts.scene.name
-    wrapped(name if len(name) <= LONGEST_NAME else f"{name[:LONGEST_NAME]}…", room=2.0 * side + 8.0)
-    imgui.end_group()
-    tip(name if len(name) > LONGEST_NAME else "")
+    state = scene_button(sheet, state, facts, available() - 2.0 * side - 8.0)
     to_column(end - 2.0 * side - 2.0)
     if button(sheet, "help/show", "?", "Keys and gestures (F1)", side):
         state = replace(state, help=not state.help)
@@ -118,8 +115,16 @@ def _panel(sheet: Sheet, state: State, facts: Facts) -> State:
         state = replace(state, panel=False)
     # The bar of the scroll lies in the window's own margin; it keeps its place when there is nothing to scroll.
     room = imgui.get_style().window_padding.x
-    imgui.begin_child("##body", (available() + room, 0.0), 0, imgui.WindowFlags_.always_vertical_scrollbar)
+    body = "##body" if state.opening is None else "##opening"
+    imgui.begin_child(body, (available() + room, 0.0), 0, imgui.WindowFlags_.always_vertical_scrollbar)
     sheet.window("panel/body")
+    state = _sections(sheet, state, facts) if state.opening is None else opening_page(sheet, state, facts)
+    imgui.end_child()
+    imgui.end()
+    return state
+
+
+def _sections(sheet: Sheet, state: State, facts: Facts) -> State:
     state = picture_section(sheet, state, facts)
     state = scene_section(sheet, state, facts)
     state = eye_section(sheet, state, facts)
@@ -129,8 +134,6 @@ def _panel(sheet: Sheet, state: State, facts: Facts) -> State:
     state = quality_section(sheet, state)
     save_section(sheet, facts)
     timing_section(sheet, facts)
-    imgui.end_child()
-    imgui.end()
     return state
 
 

@@ -7,6 +7,7 @@ which look up their rectangles.
 from __future__ import annotations
 
 import math
+from bisect import bisect
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 
@@ -23,6 +24,7 @@ class Sheet:
     """What one frame's widgets leave behind: see `panel.Drawn`."""
 
     requests: list[Request] = field(default_factory=list)
+    opens: list[str] = field(default_factory=list)
     rectangles: dict[str, Rectangle] = field(default_factory=dict)
     covered: list[Rectangle] = field(default_factory=list)
 
@@ -59,6 +61,14 @@ def field_width() -> float:
 
 def text_width(text: str) -> float:
     return imgui.calc_text_size(text).x
+
+
+def shortened(text: str, width: float) -> str:
+    """A text, with its end left out where it is wider."""
+    if text_width(text) <= width:
+        return text
+    kept = bisect(range(len(text)), width, key=lambda count: text_width(f"{text[:count]}…")) - 1
+    return f"{text[: max(kept, 0)]}…"
 
 
 def tip(text: str) -> None:

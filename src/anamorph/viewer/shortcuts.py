@@ -141,9 +141,17 @@ def _zoom(state: State, home: Home, factor: float) -> State:
     return steer(state, lambda camera: zoom(camera, factor))
 
 
+def _toggle_opening(state: State, home: Home) -> State:
+    if state.panel and state.opening is not None:
+        return replace(state, opening=None)
+    return replace(state, panel=True, opening=state.opening or "")
+
+
 def _clear(state: State, home: Home) -> State:
-    """Help first: it hides what is picked."""
-    return replace(state, help=False) if state.help else replace(state, picked=None)
+    """What lies on top first: it hides the rest."""
+    if state.help:
+        return replace(state, help=False)
+    return replace(state, picked=None) if state.opening is None else replace(state, opening=None)
 
 
 def _reset(state: State, home: Home) -> State:
@@ -154,6 +162,7 @@ SHORTCUTS: tuple[Shortcut, ...] = (
     Shortcut(("F1", "?"), "Viewer", "this help", _toggle_help),
     Shortcut(("Tab",), "Viewer", "the panel", _toggle_panel),
     Shortcut(("Escape",), "Viewer", "close the help; drop the picked point", _clear),
+    Shortcut(("Ctrl+O",), "Viewer", "open another scene", _toggle_opening),
     Shortcut(("P",), "Viewer", "save the picture", request=Request.SAVE_PICTURE),
     Shortcut(("Ctrl+S",), "Viewer", "save the view as a scene file", request=Request.SAVE_SCENE),
     Shortcut(("Shift+R",), "Viewer", "reset all", _reset),

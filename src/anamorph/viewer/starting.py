@@ -12,7 +12,8 @@ from anamorph.scene.checks import check_scene
 from anamorph.scene.model import Scene
 from anamorph.scene.scenefile import Settings
 from anamorph.scene.viewfile import Opened, Source, open_view
-from anamorph.viewer.state import State
+from anamorph.viewer.home import Home
+from anamorph.viewer.state import Half, State
 from anamorph.viewer.views import state_of
 
 NOTHING = Scene("nothing opened", (), Camera((0.0, 0.0, 1.0), (0.0, 0.0, 0.0)))
@@ -53,6 +54,35 @@ def start(source: Source | Scene | str | Path, method: str | None = None) -> Sta
     except (AnamorphError, OSError) as error:
         nothing = Opened(NOTHING, Settings(), NOTHING.camera)
         return Start(nothing, state_of(nothing), str(error))
+
+
+def carried_over(state: State, beginning: Start) -> State:
+    """The state in which a viewer goes on with another scene: what is set of the old one's picture stays.
+
+    Parameters
+    ----------
+    state : State
+        Of the old scene.
+    beginning : Start
+        Of the new one. A view that a file keeps is shown as it was; a method that cannot draw the scene is left.
+    """
+    if beginning.opened.settings.view is not None:
+        return beginning.state
+    able = Home(beginning.state, beginning.opened.scene).methods
+
+    def half(old: Half, new: Half) -> Half:
+        return old if old.method.partition(":")[0] in able else replace(old, method=new.method)
+
+    return replace(
+        state,
+        camera=beginning.state.camera,
+        first=half(state.first, beginning.state.first),
+        second=half(state.second, beginning.state.second),
+        observer=None,
+        values=beginning.state.values,
+        picked=None,
+        opening=None,
+    )
 
 
 def _open(source: Source | Scene | str | Path) -> Opened:

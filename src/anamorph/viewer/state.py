@@ -79,6 +79,8 @@ class State:
         fluid. When nothing moves, there is one for each.
     panel, help : bool
         Whether these are open.
+    opening : str or None
+        What is typed so far to name another scene; None while none is asked for.
     picked : (x, y) or None
         The point of the picture that is looked into, as shares of its width and height from the top left.
     """
@@ -97,6 +99,7 @@ class State:
     resolution: float = 0.0
     panel: bool = True
     help: bool = False
+    opening: str | None = None
     picked: tuple[float, float] | None = None
 
     @property

@@ -18,12 +18,11 @@ from anamorph.output import to_pixels
 from anamorph.scene.camera import Camera
 from anamorph.scene.model import Scene
 from anamorph.steps import retold
-from anamorph.video import check_video, video
+from anamorph.video import MOST_FRAMES, check_video, video
 from anamorph.viewer.facts import Progress
 from anamorph.viewer.saving import Saving, saved
 
 FRAMES = 120
-MOST_FRAMES = 9999
 RATE = 30.0
 """Frames a second."""
 

@@ -29,7 +29,7 @@ FAR = (-np.inf, np.inf)
 
 
 def view_of(state: State) -> dict[str, Any]:
-    """What a [view] table keeps: all of the state but eye, method and values, which the scene file has elsewhere."""
+    """What a [view] table keeps: the state but eye, method and values, which the scene file has elsewhere."""
     view: dict[str, Any] = {
         "layer": state.first.layer.value,
         "second": state.second.method,

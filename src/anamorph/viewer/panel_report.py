@@ -12,16 +12,22 @@ from anamorph.measure.errors import Statistics
 from anamorph.viewer import theme
 from anamorph.viewer.facts import Facts, Figures, Inspection, Request
 from anamorph.viewer.sheet import Sheet, button, caption, field_width, row, section, wrapped
-from anamorph.viewer.state import State
+from anamorph.viewer.state import Layer, State
 from anamorph.viewer.wording import NOT_MEASURED, figure, name_text, number_text, point_text, size_text
 
 SAVED = (
     (Request.SAVE_PICTURE, "Picture", "The picture as it is seen, without the panel"),
     (Request.SAVE_SCENE, "Scene file", "A scene file that opens this very view again"),
     (Request.SAVE_COMPARISON, "Comparison", "A page that compares the methods on this view, with error maps"),
-    (Request.SAVE_TURNTABLE, "Turntable", "A video of one turn around what is looked at"),
-    (Request.SAVE_TURNTABLE_SERIES, "PNG series", "One turn around what is looked at, a picture at a time"),
+    (
+        Request.SAVE_TURNTABLE,
+        "Turntable",
+        "A video in which the eye swings to either side; from outside, it goes all the way round",
+    ),
+    (Request.SAVE_TURNTABLE_SERIES, "PNG series", "The turntable as numbered pictures in a folder"),
 )
+
+UNASKED = "Choose Error above, or click into the picture, to have them measured."
 
 
 def inspection_section(sheet: Sheet, state: State, facts: Facts) -> State:
@@ -48,7 +54,8 @@ def figures_section(sheet: Sheet, state: State, facts: Facts) -> None:
         return
     figures = tuple(facts.figures)[: len(state.halves)]
     if not any(figures):
-        caption("Measured when nothing moves.")
+        layered = any(half.layer is Layer.ERROR for half in state.halves)
+        caption("Measured when nothing moves." if layered or state.picked else UNASKED)
         return
     if len(figures) > 1:
         row("", "left", "right")

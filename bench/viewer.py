@@ -12,12 +12,14 @@ import sys
 import tempfile
 import time
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests"))
 
 from browser import Served, Tab, chromium, served, tab_of
+from playwright.sync_api import sync_playwright
 
 METHODS = ("pervertex", "raytrace", "environment", "trilinear", "pervertex:refine=1", "pervertex:tolerance=0.5")
 
@@ -60,10 +62,14 @@ def main() -> None:
     parser.add_argument("--minutes", type=float, default=0.0, help="of scripted use, watching memory and log (none)")
     arguments = parser.parse_args()
     width, height = map(int, arguments.size.split("x"))
-    with tempfile.TemporaryDirectory() as folder, served(Path(folder), arguments.scene) as viewer:
+    with (
+        tempfile.TemporaryDirectory() as folder,
+        served(Path(folder), arguments.scene) as viewer,
+        sync_playwright() as playwright,
+    ):
         # A line below the picture belongs to the status.
-        with chromium() as browser, tab_of(browser, viewer, (width, height + 24)) as tab:
-            tab.wait_for_picture()
+        viewport = {"width": width, "height": height + 24}
+        with chromium(playwright) as browser, tab_of(browser, viewer, viewport=viewport) as tab:
             tab.page.evaluate(WATCH)
             if arguments.minutes:
                 use(tab, viewer, arguments.minutes)
@@ -155,10 +161,9 @@ def act(tab: Tab, chance: random.Random) -> None:
         if chance.random() < 0.5:
             tab.key("r")
     elif kind < 6:
-        names = [name for name in tab.report()["rectangles"] if name.startswith("mirror/")]
-        if names:
-            x, y = tab.center(chance.choice(names))
-            tab.drag((x, y), (x + chance.uniform(-40, 40), y))
+        places = [place for name, place in seen_widgets(tab).items() if name.startswith(("mirror/", "eye/", "first/"))]
+        if places:
+            drag(page, chance.choice(places), chance.uniform(-40, 40))
     elif kind == 6:
         tab.key(chance.choice(["s", "m", "Shift+M", "x", "1", "2", "3", "u", "e", "o", "w", "h", "v", "b"]))
     elif kind == 7:
@@ -175,6 +180,27 @@ def act(tab: Tab, chance: random.Random) -> None:
     else:
         tab.key("Shift+R")
     page.wait_for_timeout(chance.choice([50, 400, 1500]))
+
+
+def seen_widgets(tab: Tab) -> dict[str, tuple[float, float]]:
+    """The middles of the panel's widgets that are not scrolled away."""
+    found = tab.report()["rectangles"]
+    if "panel/body" not in found:
+        return {}
+    top, bottom = found["panel/body"][1], found["panel/body"][3]
+    middles = {name: ((box[0] + box[2]) / 2.0, (box[1] + box[3]) / 2.0) for name, box in found.items()}
+    return {name: (x, y) for name, (x, y) in middles.items() if top < y < bottom and name != "panel/body"}
+
+
+def drag(page: Any, start: tuple[float, float], right: float) -> None:
+    """Drag to the right, or to the left, slowly enough to be seen."""
+    x, y = start
+    page.mouse.move(x, y)
+    page.mouse.down()
+    for step in range(1, 9):
+        page.mouse.move(x + right * step / 8.0, y)
+        page.wait_for_timeout(30)
+    page.mouse.up()
 
 
 def memory(process: int) -> float:

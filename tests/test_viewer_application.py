@@ -142,6 +142,12 @@ def test_a_click_tells_what_is_seen_there_and_draws_its_path(hand: Hand) -> None
     hand.key("o")
     hand.settle()
     assert hand.viewer.report()["inspection"] == seen
+    # And it follows the mirror that it meets.
+    hand.viewer.state = replace(hand.viewer.state, values={"mirror/swivel": 5.0})
+    hand.viewer.refresh()
+    hand.settle()
+    path = hand.viewer.report()["inspection"]["path"]
+    assert path[0] == seen["path"][0] and path[-1] != seen["path"][-1]
     hand.key("o")
     hand.settle()
     hand.key("Escape")

@@ -36,10 +36,10 @@ def changed(before: np.ndarray, after: np.ndarray) -> float:
 
 
 def test_the_divider_a_slider_the_method_and_a_click_do_what_they_are_for(browser, tmp_path):
-    with served(tmp_path, "car-mirror") as viewer, tab_of(browser, viewer) as tab:
+    with served(tmp_path, "flat-mirror") as viewer, tab_of(browser, viewer) as tab:
         report = tab.wait_until(lambda report: report["at_rest"], "rest")
         assert tab.page.url == f"{viewer.origin}/"
-        assert tab.page.title() == "car-mirror - Anamorph"
+        assert tab.page.title() == "flat-mirror - Anamorph"
         assert report["size"] == [1000, 640]
         view = [report["rectangles"]["panel"][2], 0.0, 1000.0, 600.0]
         at_first = tab.picture()

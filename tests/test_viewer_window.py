@@ -96,7 +96,8 @@ def test_a_window_opens_follows_the_mouse_and_closes(display, tmp_path):
         wait_until(lambda: display.picture()[580:600, 600:800].std() > 5.0, "its picture")
         process.send_signal(signal.SIGINT)
         assert process.wait(PATIENCE) == 0
-        assert errors.read_text() == ""
+        said = errors.read_text()
+        assert said == "", said
     finally:
         process.kill()
         process.wait()

@@ -16,17 +16,16 @@ from anamorph.gpu.device import adapter_name, device_lost, forget_device
 from anamorph.projection import camera_projection
 from anamorph.scene.model import Scene
 from anamorph.viewer.controls import edited
-from anamorph.viewer.facts import Facts, Inspection, Progress, Request
+from anamorph.viewer.facts import Facts, Progress, Request
 from anamorph.viewer.gestures import NO_GRIP, cursor, handle
 from anamorph.viewer.home import Home
-from anamorph.viewer.inspection import inspect
 from anamorph.viewer.layout import in_pixels, inside, picture_area
-from anamorph.viewer.measured import Measured
+from anamorph.viewer.looking import Looking
 from anamorph.viewer.panel import Drawn, draw_panel
 from anamorph.viewer.reports import report
 from anamorph.viewer.saving import Saving
 from anamorph.viewer.shortcuts import press
-from anamorph.viewer.showing import TRUTH, Showing
+from anamorph.viewer.showing import Showing
 from anamorph.viewer.space import Space, space_marks
 from anamorph.viewer.starting import Start
 from anamorph.viewer.state import looking_eye, shown_camera
@@ -111,7 +110,7 @@ class Viewer:
         self._stop_saving()
         self._showing, self._space = Showing(), Space(self._scene)
         self._marked: object = None
-        self._inspected: tuple[tuple[float, float], Measured, Inspection] | None = None
+        self._looking = Looking()
         self._changed_at = 0.0
 
     def _new_surface(self) -> Surface:
@@ -226,7 +225,8 @@ class Viewer:
 
     def _mark(self, size: tuple[int, int]) -> None:
         """Put into space what is to be drawn there, where that has changed."""
-        inspection, looking = self._inspect(size), looking_eye(self.state)
+        looking = looking_eye(self.state)
+        inspection = self._looking.update(self._space, self.state, size, self._showing)
         marked = (self._scene, self.state.drawings, self.state.observer, self.state.first, looking, size, inspection)
         if marked != self._marked:
             self._marked = marked
@@ -250,30 +250,6 @@ class Viewer:
             except AnamorphError as error:
                 self.message = str(error)
         return self._scene
-
-    def _inspect(self, size: tuple[int, int]) -> Inspection | None:
-        """What is seen at the picked pixel, once its frames are there; until then, what was seen there last.
-
-        What the eye has looked into stays when an observer looks on: to see its path from outside.
-        """
-        if self.state.picked is None:
-            self._inspected = None
-            return None
-        x, y = self.state.picked
-        right = self.state.split and x >= self.state.divider
-        method = (self.state.second if right else self.state.first).method
-        measured = self._showing.measured.get(method)
-        if self._showing.at_rest and measured is not None and not self._inspected_already(measured):
-            pixel = min(int(x * size[0]), size[0] - 1), min(int(y * size[1]), size[1] - 1)
-            camera, truth = shown_camera(self.state), self._showing.frames[TRUTH]
-            found = inspect(self._space, camera, size, pixel, method, measured.frame, truth, measured.maps)
-            self._inspected = self.state.picked, measured, found
-        return self._inspected[2] if self._inspected else None
-
-    def _inspected_already(self, measured: Measured) -> bool:
-        if self._inspected is None or self._inspected[0] != self.state.picked:
-            return False
-        return self._inspected[1] is measured or self.state.observer is not None
 
     def _obey(self, requests: tuple[Request, ...]) -> None:
         """Begin what was asked for: one thing after the other, so that no two take each other's time."""
@@ -328,7 +304,7 @@ class Viewer:
             samples_done=showing.samples_done,
             samples_total=self.state.samples**2 if self.state.samples > 1 else 0,
             figures=tuple(each.figures if each else None for each in measured),
-            inspection=self._inspected[2] if self._inspected else None,
+            inspection=self._looking.inspection,
             message=" ".join(filter(None, (self.message, *showing.failures))),
             progress=self._progress,
         )

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
-import logging
+import asyncio
 import os
+import signal
 import sys
 import warnings
+from contextlib import suppress
 
 from anamorph.errors import AnamorphError
 from anamorph.viewer.starting import Start
@@ -51,14 +53,20 @@ def open_window(beginning: Start, size: tuple[int, int] | None = None) -> None:
         raise AnamorphError("--backend desktop: there is no display to open a window on; give --backend browser")
     from rendercanvas.glfw import GlfwRenderCanvas, loop
 
-    # Its warnings tell of an interrupt, which its user has just sent.
-    logging.getLogger("rendercanvas").setLevel(logging.ERROR)
     from anamorph.viewer.application import Viewer
 
     canvas = GlfwRenderCanvas(
         size=size or _fitting(), title=f"{beginning.opened.scene.name} - Anamorph", max_fps=MOST_PICTURES, vsync=True
     )
     viewer = Viewer(canvas, beginning, loop.call_later)
+
+    async def mind_interrupts() -> None:
+        # The library's own handler would close the window in the midst of a picture. Windows has no other.
+        with suppress(NotImplementedError):
+            for each in (signal.SIGINT, signal.SIGTERM):
+                asyncio.get_running_loop().add_signal_handler(each, canvas.close)
+
+    loop.add_task(mind_interrupts)
     loop.run()
     viewer.close()
 

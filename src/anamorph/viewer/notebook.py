@@ -43,7 +43,7 @@ def make_widget(beginning: Start, size: tuple[int, int]) -> Any:
         """The library's, whose closing closes it again without end."""
 
         def _rc_close(self) -> None:
-            if not self._is_closed:
+            if not self.get_closed():
                 self._is_closed = True
                 AnyWidget.close(self)
 

@@ -326,3 +326,10 @@ def test_the_town_is_never_seen_from_behind():
     # Into one's own car one looks through its open windows.
     behind &= geometry.face_object[triangle[hit]] != 2
     assert hit.sum() > 10_000 and behind.mean() < 0.0008, np.unique(geometry.face_object[triangle[hit][behind]])
+
+
+@pytest.mark.parametrize("name", LENSES)
+def test_whoever_looks_through_a_lens_goes_round_the_lens(name):
+    glass = np.concatenate([mesh.positions for mesh in scene(name).meshes if mesh.specular])
+    middle = (glass.min(axis=0) + glass.max(axis=0)) / 2.0
+    assert np.linalg.norm(scene(name).camera.target - middle) < 0.1 * np.linalg.norm(np.ptp(glass, axis=0))

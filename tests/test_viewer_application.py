@@ -212,7 +212,9 @@ def test_what_a_control_cannot_do_is_said_and_the_last_scene_stays(hand: Hand) -
 
 
 def test_the_picture_is_saved_as_it_is_shown(hand: Hand, tmp_path: Path) -> None:
+    hand.viewer.message = "of something before"
     hand.key("p")
+    assert hand.viewer.report()["message"] != "of something before"
     hand.settle(lambda report: (tmp_path / "flat-mirror-1.png").exists())
     assert "flat-mirror-1.png" in hand.viewer.report()["message"]
     saved = np.asarray(Image.open(tmp_path / "flat-mirror-1.png"))

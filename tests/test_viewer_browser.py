@@ -153,3 +153,29 @@ def test_a_fine_screen_gets_its_own_pixels(playwright, tmp_path):
         report = tab.wait_until(lambda report: report["size"] == [width, height])
         assert report["full"][1] == 2 * (height - 24)
         wait_until(lambda: tab.page.evaluate("document.querySelector('img').naturalWidth") == 2 * width, "its pixels")
+
+
+def test_two_fingers_pan_and_zoom(browser, tmp_path):
+    with served(tmp_path, "flat-mirror") as viewer, tab_of(browser, viewer, has_touch=True) as tab:
+        fingers = tab.page.context.new_cdp_session(tab.page)
+
+        def touch(kind: str, *places: float) -> None:
+            points = [{"x": x, "y": 300.0, "id": number} for number, x in enumerate(places)]
+            fingers.send("Input.dispatchTouchEvent", {"type": kind, "touchPoints": points})
+
+        def distance(camera: dict[str, Any]) -> float:
+            return float(np.linalg.norm(np.subtract(camera["position"], camera["target"])))
+
+        before = tab.wait_until(lambda report: report["at_rest"])["state"]["camera"]
+        touch("touchStart", 600.0)
+        touch("touchStart", 600.0, 700.0)
+        for spread in range(10, 60, 10):
+            touch("touchMove", 600.0 - spread, 700.0 + spread)
+        after = tab.wait_until(lambda report: distance(report["state"]["camera"]) < 0.6 * distance(before))
+        turned = [np.subtract(camera["position"], camera["target"]) for camera in (before, after["state"]["camera"])]
+        assert np.dot(*turned) == pytest.approx(np.prod([np.linalg.norm(each) for each in turned])), "it does not orbit"
+        touch("touchEnd", 550.0)
+        touch("touchEnd")
+        assert tab.wait_until(lambda report: report["at_rest"])["state"]["picked"] is None
+        assert tab.complaints == []
+        assert viewer.interrupt() == (0, "")

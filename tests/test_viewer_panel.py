@@ -15,6 +15,7 @@ from anamorph.methods import METHODS, parse
 from anamorph.scene import builtin
 from anamorph.scene.camera import Camera
 from anamorph.scene.model import Glass, Scene
+from anamorph.viewer import panel_report
 from anamorph.viewer.controls import scene_controls
 from anamorph.viewer.facts import Facts, Figures, Inspection, Progress, Request, Stop
 from anamorph.viewer.home import first_observer
@@ -362,3 +363,16 @@ def test_numbers_have_real_minus_signs_and_nought_has_none() -> None:
     assert number_text(-1.25, 2, "m") == "\N{MINUS SIGN}1.25 m"
     assert number_text(-0.0001, 2, "°") == "0.00°"
     assert [decimals(step) for step in (1.0, 0.5, 0.005, 20.0)] == [0, 1, 3, 0]
+
+
+def test_the_panel_says_how_errors_come_to_be_measured(opened, monkeypatch) -> None:
+    said: list[str] = []
+    monkeypatch.setattr(panel_report, "caption", said.append)
+    opened()
+    assert panel_report.UNASKED in said
+    said.clear()
+    opened(first=Half("pervertex", Layer.ERROR))
+    assert panel_report.UNASKED not in said and any("nothing moves" in text for text in said)
+    said.clear()
+    opened(picked=(0.5, 0.5))
+    assert panel_report.UNASKED not in said

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from dataclasses import replace
 
 import numpy as np
@@ -11,6 +12,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import anamorph as an
+from anamorph.errors import AnamorphError
 from anamorph.gpu.device import get_device
 from anamorph.gpu.targets import COLOR_FORMAT, make_texture, read_texture
 from anamorph.scene.builtin import make
@@ -18,6 +20,7 @@ from anamorph.scene.model import Scene
 from anamorph.srgb import encode_srgb
 from anamorph.viewer.compose import Average, Composer, LayerTexture, Shown
 from anamorph.viewer.fluency import PATIENCE, SCALES, SLOWEST, Fluency, scaled
+from anamorph.viewer.pictures import MethodPictures
 from anamorph.viewer.showing import Showing, shifts
 from anamorph.viewer.state import EYE_DISTANCE, EyeSide, Half, Layer, State, looking_eye, shown_camera
 
@@ -220,3 +223,64 @@ def test_a_method_that_cannot_leaves_its_half_black_and_says_why(scene: Scene) -
     assert "antialias" in showing.failures[0] and len(showing.failures) == 1
     showing.update(scene, replace(state, second=Half("raytrace")), SIZE)
     assert not showing.failures and showing.halves[1].picture is not None
+
+
+class _Sized:
+    """A method's session that draws only small pictures, or only slowly."""
+
+    def __init__(self, size: tuple[int, int], widest: int, seconds: float) -> None:
+        self.size, self._widest, self._seconds = size, widest, seconds
+        self.texture = linear_texture(np.ones((size[1], size[0], 3)))
+
+    def draw(self, camera: an.Camera, shift: tuple[float, float] = (0.0, 0.0)) -> None:
+        time.sleep(self._seconds)
+        if self.size[0] > self._widest:
+            raise AnamorphError("too large")
+
+    def wait(self) -> None:
+        pass
+
+
+def drawn_by(monkeypatch: pytest.MonkeyPatch, widest: int = 10**6, seconds: float = 0.0) -> list[tuple[int, int]]:
+    """The sizes of the pictures that are drawn from now on, by a method that has these limits."""
+    sizes: list[tuple[int, int]] = []
+
+    def session(self: MethodPictures, camera: an.Camera, size: tuple[int, int]) -> _Sized:
+        sizes.append(size)
+        return _Sized(size, widest, seconds)
+
+    monkeypatch.setattr(MethodPictures, "_session", session)
+    return sizes
+
+
+def test_an_unknown_method_begins_with_the_coarsest_picture_and_a_known_one_does_not(scene, monkeypatch) -> None:
+    sizes = drawn_by(monkeypatch)
+    showing = Showing()
+    for number in range(len(SCALES)):
+        moved = replace(STATE, camera=replace(STATE.camera, field_of_view=40.0 + number))
+        showing.update(scene, moved, SIZE)
+    assert sizes == [scaled(SIZE, scale) for scale in reversed(SCALES)]
+    showing.update(scene, replace(STATE, first=Half("pervertex:bounces=2")), SIZE)
+    assert sizes[-1] == SIZE
+
+
+def test_what_fails_finely_is_shown_coarsely_and_not_tried_again(scene, monkeypatch) -> None:
+    sizes = drawn_by(monkeypatch, widest=SIZE[0] // 2)
+    showing = Showing()
+    showing.update(scene, STATE, SIZE)
+    settle(showing)
+    assert showing.failures == ("too large",)
+    shown = showing.halves[0].picture
+    assert shown is not None and shown.size[:2] == scaled(SIZE, SCALES[-1])
+    assert sizes == [scaled(SIZE, SCALES[-1]), SIZE]
+    showing.update(scene, replace(STATE, camera=replace(STATE.camera, field_of_view=30.0)), SIZE)
+    assert showing.failures == ()
+
+
+def test_a_picture_that_takes_long_comes_by_steps(scene, monkeypatch) -> None:
+    monkeypatch.setattr("anamorph.viewer.showing.LONG", 1.0)
+    sizes = drawn_by(monkeypatch, seconds=0.002)
+    showing = Showing()
+    showing.update(scene, replace(STATE, samples=1), SIZE)
+    settle(showing)
+    assert sizes == [scaled(SIZE, scale) for scale in reversed(SCALES)]

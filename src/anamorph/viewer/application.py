@@ -289,6 +289,7 @@ class Viewer:
                 self._stop_saving()
             elif self._saving is None and self._scene.meshes:
                 size = self._pixels[2:]
+                self.message = ""
                 shot = Shot(self.start.opened, self._scene, self.state, size, self._showing, self._picture)
                 self._saving = saving_of(request, shot, Path.cwd())
             self.refresh()

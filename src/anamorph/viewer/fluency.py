@@ -49,6 +49,9 @@ class Fluency:
         return milliseconds * (SCALES[level] / self.scale) ** 2
 
 
+COARSEST = Fluency(len(SCALES) - 1)
+
+
 def scaled(size: tuple[int, int], scale: float) -> tuple[int, int]:
     """The size (width, height) of a picture at `scale`, in whole pixels."""
     width, height = size

@@ -26,10 +26,32 @@ class View extends window.BaseRenderView {
     this.setThrottle(16)
     this.frames = []
     this.waiting = false
+    this.fingers = new Map()
     picture.onload = () => this.showSoon()
+    this.watchFingers()
+  }
+
+  // The library tells of one pointer at a time. What it tells is completed with all fingers that are down.
+  watchFingers () {
+    const follow = (event) => {
+      if (event.pointerType !== 'touch') { return }
+      const finger = event.pointerId
+      if (event.type === 'pointerup' || event.type === 'pointercancel') {
+        this.fingers.delete(finger)
+      } else if (event.type === 'pointerdown' || this.fingers.has(finger)) {
+        const { left, top } = this.viewElement.getBoundingClientRect()
+        this.fingers.set(finger, { x: event.clientX - left, y: event.clientY - top, pressure: event.pressure })
+      }
+    }
+    for (const type of ['pointerdown', 'pointermove', 'pointerup', 'pointercancel']) {
+      this.viewElement.addEventListener(type, follow, { capture: true })
+    }
   }
 
   onEvent (event) {
+    if (event.type.startsWith('pointer_')) {
+      event = { ...event, ntouches: this.fingers.size, touches: Object.fromEntries(this.fingers) }
+    }
     if (socket !== null && socket.readyState === WebSocket.OPEN) { socket.send(JSON.stringify(event)) }
   }
 

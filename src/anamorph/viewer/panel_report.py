@@ -19,9 +19,15 @@ SAVED = (
     (Request.SAVE_PICTURE, "Picture", "The picture as it is seen, without the panel"),
     (Request.SAVE_SCENE, "Scene file", "A scene file that opens this very view again"),
     (Request.SAVE_COMPARISON, "Comparison", "A page that compares the methods on this view, with error maps"),
-    (Request.SAVE_TURNTABLE, "Turntable", "A video of the eye swinging to both sides, or from outside going round"),
-    (Request.SAVE_TURNTABLE_SERIES, "PNG series", "The same as a turntable, a picture at a time"),
+    (
+        Request.SAVE_TURNTABLE,
+        "Turntable",
+        "A video in which the eye swings to either side; from outside, it goes all the way round",
+    ),
+    (Request.SAVE_TURNTABLE_SERIES, "PNG series", "The turntable as numbered pictures in a folder"),
 )
+
+UNASKED = "Choose Error above, or click into the picture, to have them measured."
 
 
 def inspection_section(sheet: Sheet, state: State, facts: Facts) -> State:
@@ -48,8 +54,8 @@ def figures_section(sheet: Sheet, state: State, facts: Facts) -> None:
         return
     figures = tuple(facts.figures)[: len(state.halves)]
     if not any(figures):
-        measuring = state.picked is not None or any(half.layer is Layer.ERROR for half in state.halves)
-        caption("Measured when nothing moves." if measuring else "Show Error, or look into a pixel, to measure them.")
+        layered = any(half.layer is Layer.ERROR for half in state.halves)
+        caption("Measured when nothing moves." if layered or state.picked else UNASKED)
         return
     if len(figures) > 1:
         row("", "left", "right")

@@ -15,8 +15,8 @@ from anamorph.viewer.compose import Average
 
 Size = tuple[int, int]
 
-KEPT_SIZES = 3
-"""Sessions that stay open: for pictures that move, for layers that move, and for what rests."""
+KEPT_SIZES = 4
+"""Sessions that stay open: for pictures that move, for layers that move, for what rests, and for what comes before."""
 
 
 class MethodPictures:
@@ -25,7 +25,8 @@ class MethodPictures:
     Attributes
     ----------
     failure : str
-        Why there is no picture; empty where there is one. What failed is not tried again.
+        Why the last picture that was asked for could not be drawn; empty where it was. What failed is not tried
+        again, nor finer, but from elsewhere.
     """
 
     def __init__(self, scene: Scene, specification: str) -> None:
@@ -33,6 +34,8 @@ class MethodPictures:
         self._sessions: dict[Size, Session] = {}
         self._last: Session | None = None
         self._average: Average | None = None
+        self._shown_from: Camera | None = None
+        self._failed: tuple[Camera, Size, str] | None = None
         self.failure = ""
 
     @property
@@ -48,16 +51,19 @@ class MethodPictures:
         return {} if self._last is None else self._last.phases()
 
     def draw(self, camera: Camera, size: Size) -> None:
-        """Draw one picture, and show it in place of all before."""
+        """Draw one picture, and show it in place of all before; where it fails, one of another size stays."""
         if self._average is not None:
             self._average.restart()
-        self._last = self._draw(camera, size, (0.0, 0.0))
+        session = self._draw(camera, size, (0.0, 0.0))
+        if session is not None or camera != self._shown_from:
+            self._last, self._shown_from = session, camera
 
     def refine(self, camera: Camera, size: Size, shift: tuple[float, float]) -> None:
         """Draw a picture shifted by a fraction of a pixel, and show the mean of all such since the last `draw`."""
-        self._last = self._draw(camera, size, shift)
-        if self._last is None:
+        session = self._draw(camera, size, shift)
+        if session is None:
             return
+        self._last = session
         if self._average is None or self._average.texture.size[:2] != size:
             self._average = Average(size)
         self._average.add(self._last.texture)
@@ -73,13 +79,16 @@ class MethodPictures:
             self._last.wait()
 
     def _draw(self, camera: Camera, size: Size, shift: tuple[float, float]) -> Session | None:
-        if self.failure:
+        if self._failed is not None and self._failed[0] == camera and self._failed[1] <= size:
+            self.failure = self._failed[2]
             return None
+        self.failure = ""
         try:
             session = self._session(camera, size)
             session.draw(camera, shift)
         except AnamorphError as error:
             self.failure = str(error)
+            self._failed = camera, size, self.failure
             return None
         return session
 

@@ -14,13 +14,17 @@ from anamorph.frame import Frame
 from anamorph.scene.camera import Camera
 from anamorph.scene.model import Scene
 from anamorph.viewer.compose import LayerTexture, Shown
-from anamorph.viewer.fluency import Fluency, scaled
+from anamorph.viewer.fluency import COARSEST, SCALES, Fluency, scaled
 from anamorph.viewer.measured import Measured, error_layer, measure_half, status_layer
 from anamorph.viewer.pictures import MethodPictures, Size
 from anamorph.viewer.state import Half, Layer, State, shown_camera
 
 TRUTH = "raytrace"
 """The method that errors are measured against."""
+
+LONG = 4e3
+"""Milliseconds that a picture at rest may be expected to take; on the way to a longer one, coarser ones are drawn, each
+of which can be the last when something moves."""
 
 
 @dataclass(frozen=True)
@@ -69,7 +73,9 @@ class Showing:
         self._pictured: _Pictured | None = None
         self._detailed: _Detailed | None = None
         self._steps: Iterator[None] = iter(())
-        self._of_pictures, self._of_layers = Fluency(), Fluency()
+        self._of_pictures: dict[tuple[str, ...], Fluency] = {}
+        self._of_layers = Fluency()
+        self._long = False
         self._layers = LayerTexture(), LayerTexture()
         self._layered = [False, False]
         self._moving = False
@@ -134,15 +140,13 @@ class Showing:
     def _move(self) -> None:
         assert self._pictured is not None and self._detailed is not None
         self.frames, self.measured, self.samples_done, self.at_rest = {}, {}, 0, False
-        began = perf_counter()
-        self.picture = scaled(self._pictured.size, self._pictured.resolution or self._of_pictures.scale)
-        methods = dict.fromkeys(self._pictured.methods)
-        for method in methods:
-            self._of(method).draw(self._pictured.camera, self.picture)
-        for method in methods:
-            self._of(method).wait()
-        spent = 1e3 * (perf_counter() - began)
-        self._of_pictures = self._of_pictures.after(spent)
+        # Nobody knows how long methods take that have drawn nothing yet: they begin with the coarsest picture.
+        names = tuple(method.partition(":")[0] for method in self._pictured.methods)
+        fluency = self._of_pictures.get(names, COARSEST)
+        spent = self._draw(self._pictured.resolution or fluency.scale)
+        self._long = spent > LONG * (self._pictured.resolution or fluency.scale) ** 2
+        if not self._pictured.resolution:
+            self._of_pictures[names] = fluency.after(spent)
         if any(half.layer != Layer.PICTURE for half in self._detailed.halves):
             began = perf_counter()
             for _ in self._layering(scaled(self._pictured.size, self._of_layers.scale)):
@@ -155,16 +159,30 @@ class Showing:
         self.frame_ms = spent if self._moving else 0.0
         self._moving = True
 
+    def _draw(self, scale: float) -> float:
+        """Draw the pictures at a scale; the milliseconds that it took."""
+        assert self._pictured is not None
+        began = perf_counter()
+        self.picture = scaled(self._pictured.size, scale)
+        methods = dict.fromkeys(self._pictured.methods)
+        for method in methods:
+            self._of(method).draw(self._pictured.camera, self.picture)
+        for method in methods:
+            self._of(method).wait()
+        return 1e3 * (perf_counter() - began)
+
     def _resting(self) -> Iterator[None]:
-        """Everything at full size, in steps none of which takes longer than a frame by the truth."""
+        """Everything at full size, in steps none of which takes longer than a frame by a method or the truth."""
         assert self._pictured is not None and self._detailed is not None
         camera, size = self._pictured.camera, self._pictured.size
         methods = dict.fromkeys(self._pictured.methods)
-        if self.picture != size:
-            for method in methods:
-                self._of(method).draw(camera, size)
-                yield
-            self.picture = size
+        between = [scaled(size, scale) for scale in reversed(SCALES)] if self._long else []
+        for step in (*between, size):
+            if self.picture[0] < step[0]:
+                for method in methods:
+                    self._of(method).draw(camera, step)
+                    yield
+                self.picture = step
         self.at_rest = True
         yield from self._layering(size)
         self.samples_done = 0

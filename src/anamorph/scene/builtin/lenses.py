@@ -53,7 +53,7 @@ def _spectacles(name: str, prescription: Prescription) -> Scene:
     return Scene(
         name=name,
         meshes=(*lens.meshes, rim(lens, GAZE, 0.0012).mesh("lens/rim", Diffuse(color=METAL)), *furniture, room.door()),
-        camera=_looking(EYE, GAZE, 62.0),
+        camera=_looking(EYE, lens, 62.0),
         lights=(
             PointLight(position=(-0.4, 2.2, 0.6), color=(2.0, 1.9, 1.75)),
             AmbientLight(sky=(0.46, 0.46, 0.48), ground=(0.32, 0.29, 0.26)),
@@ -76,7 +76,7 @@ def magnifier() -> Scene:
             handle.mesh("lens/handle", Diffuse(color=(1.0, 1.0, 1.0))),
             *town(),
         ),
-        camera=_looking(STREET_EYE, STREET_GAZE, 12.0),
+        camera=_looking(STREET_EYE, lens, 12.0),
         lights=LIGHTS,
         sky=SKY,
     )
@@ -128,6 +128,7 @@ def _middle(lens: Lens) -> np.ndarray:
     return lens.edge.positions.mean(axis=0, dtype=float)
 
 
-def _looking(eye: tuple[float, float, float], gaze: tuple[float, float, float], field_of_view: float) -> Camera:
-    x, y, z = np.add(eye, gaze).tolist()
+def _looking(eye: tuple[float, float, float], lens: Lens, field_of_view: float) -> Camera:
+    """An eye whose target is the lens: whoever goes round that keeps it in the picture."""
+    x, y, z = _middle(lens).tolist()
     return Camera(position=eye, target=(x, y, z), field_of_view=field_of_view)

@@ -6,12 +6,12 @@ from collections.abc import Mapping
 
 import wgpu
 
-from anamorph.errors import AnamorphError
 from anamorph.frame import Frame, View
 from anamorph.methods import Session, parse
 from anamorph.scene.camera import Camera
 from anamorph.scene.model import Scene
 from anamorph.viewer.compose import Average
+from anamorph.viewer.failures import told
 
 Size = tuple[int, int]
 
@@ -65,7 +65,11 @@ class MethodPictures:
     def seen(self, camera: Camera, size: Size) -> Frame | None:
         """What each pixel sees, of an unshifted picture; the picture that is shown stays."""
         session = self._draw(camera, size, (0.0, 0.0))
-        return None if session is None else session.frame(seen=True)
+        try:
+            return None if session is None else session.frame(seen=True)
+        except Exception as error:
+            self._fail(error)
+            return None
 
     def wait(self) -> None:
         """Return when the device has drawn the last picture."""
@@ -78,10 +82,16 @@ class MethodPictures:
         try:
             session = self._session(camera, size)
             session.draw(camera, shift)
-        except AnamorphError as error:
-            self.failure = str(error)
+        except Exception as error:
+            self._fail(error)
             return None
         return session
+
+    def _fail(self, error: Exception) -> None:
+        """Show nothing and say why, whatever a method raises: the viewer goes on without it."""
+        self.failure, self._last = told(error, f"method {self._specification}"), None
+        if self._average is not None:
+            self._average.restart()
 
     def _session(self, camera: Camera, size: Size) -> Session:
         session = self._sessions.pop(size, None)

@@ -175,7 +175,7 @@ def test_a_failing_device_is_one_line(kind, monkeypatch, capsys):
     def fail(arguments):
         raise kind("Validation Error\n\nCaused by:\n  In Queue::submit\n    Parent device is lost\n")
 
-    monkeypatch.setattr(cli, "_scenes", fail)
+    monkeypatch.setitem(cli.COMMANDS, "scenes", fail)
     assert cli.main(["scenes"]) == 2
     told = capsys.readouterr()
     assert told.err.startswith("anamorph: error: the graphics device failed (Validation Error Caused by")
@@ -187,7 +187,7 @@ def test_a_fault_of_the_program_is_not_called_one_of_the_device(monkeypatch):
     def fail(arguments):
         raise ZeroDivisionError
 
-    monkeypatch.setattr(cli, "_scenes", fail)
+    monkeypatch.setitem(cli.COMMANDS, "scenes", fail)
     with pytest.raises(ZeroDivisionError):
         cli.main(["scenes"])
 

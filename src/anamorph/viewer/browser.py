@@ -30,7 +30,7 @@ LONGEST_MESSAGE = 65536
 
 SIGNALS = (signal.SIGINT, signal.SIGTERM)
 
-SCRIPTS = {"/page.js": ("text/javascript", "page.js"), "/page.css": ("text/css", "page.css")}
+SCRIPTS = {"page.js": "text/javascript", "page.css": "text/css"}
 
 
 def serve(beginning: Start, port: int, size: tuple[int, int], tell: Callable[[str], object]) -> None:
@@ -88,16 +88,16 @@ def _listen(port: int) -> socket.socket:
 
 
 def _contents(viewer: Viewer, title: str) -> dict[str, Content]:
-    """What is served, by path."""
+    """What is served, by name."""
     contents: dict[str, Content] = {}
     page = files(__package__)
-    contents["/"] = "text/html", lambda: page.joinpath("page.html").read_text().replace("{title}", escape(title))
-    for path, (media, name) in SCRIPTS.items():
-        contents[path] = media, page.joinpath(name).read_text
+    contents[""] = "text/html", lambda: page.joinpath("page.html").read_text().replace("{title}", escape(title))
+    for name, media in SCRIPTS.items():
+        contents[name] = media, page.joinpath(name).read_text
     for name in ("renderview.js", "renderview.css"):
         media, text = http.resources[name]
-        contents[f"/{name}"] = media, partial(str, text)
-    contents["/report.json"] = "application/json", lambda: json.dumps(viewer.report(), allow_nan=False)
+        contents[name] = media, partial(str, text)
+    contents["report.json"] = "application/json", lambda: json.dumps(viewer.report(), allow_nan=False)
     return contents
 
 

@@ -31,6 +31,7 @@ class _Pictured:
     methods: tuple[str, ...]
     size: Size
     resolution: float
+    samples: int
 
 
 @dataclass(frozen=True)
@@ -40,7 +41,6 @@ class _Detailed:
     halves: tuple[Half, ...]
     unit: str
     picked: bool
-    samples: int
 
 
 class Showing:
@@ -83,8 +83,9 @@ class Showing:
 
     def update(self, scene: Scene, state: State, size: Size) -> bool:
         """Draw at once what has moved, or begin anew with the rest; tells whether anything has."""
-        pictured = _Pictured(shown_camera(state), tuple(half.method for half in state.halves), size, state.resolution)
-        detailed = _Detailed(state.halves, state.unit, state.picked is not None, state.samples)
+        methods = tuple(half.method for half in state.halves)
+        pictured = _Pictured(shown_camera(state), methods, size, state.resolution, state.samples)
+        detailed = _Detailed(state.halves, state.unit, state.picked is not None)
         moved = scene is not self._scene or pictured != self._pictured
         if not moved and detailed == self._detailed:
             return False
@@ -157,7 +158,7 @@ class Showing:
 
     def _resting(self) -> Iterator[None]:
         """Everything at full size, in steps none of which takes longer than a frame by the truth."""
-        assert self._pictured is not None and self._detailed is not None
+        assert self._pictured is not None
         camera, size = self._pictured.camera, self._pictured.size
         methods = dict.fromkeys(self._pictured.methods)
         if self.picture != size:
@@ -167,8 +168,8 @@ class Showing:
             self.picture = size
         self.at_rest = True
         yield from self._layering(size)
-        self.samples_done = 0
-        for shift in shifts(self._detailed.samples):
+        # Those are in the mean already that were drawn before something was asked for that moves nothing.
+        for shift in shifts(self._pictured.samples)[self.samples_done :]:
             for method in methods:
                 self._of(method).refine(camera, size, shift)
             self.samples_done += 1

@@ -93,6 +93,18 @@ def test_a_move_that_a_page_held_back_does_not_undo_the_press(hand: Hand) -> Non
     assert hand.viewer.state.camera != camera
 
 
+def test_a_page_that_takes_over_has_a_clock_of_its_own(hand: Hand, monkeypatch: pytest.MonkeyPatch) -> None:
+    cursors: list[str] = []
+    show(hand, split=True)
+    monkeypatch.setattr(hand.canvas, "set_cursor", cursors.append)
+    (x, y), divider = hand.place(0.8, 0.6), hand.place(0.5, 0.6)
+    hand.send("pointer_down", x=x, y=y, button=1, buttons=(1,), time_stamp=3600.0)
+    # What the page of another tab says first.
+    hand.send("pointer_up", x=-1, y=-1, button=1, time_stamp=0.5)
+    hand.send("pointer_move", x=divider[0], y=divider[1], button=0, time_stamp=0.6)
+    assert cursors[-1] == "ew_resize"
+
+
 def test_a_slider_turns_the_mirror(hand: Hand) -> None:
     before = picture_of(hand.settle(), hand)
     x, y = hand.widget("mirror/swivel")

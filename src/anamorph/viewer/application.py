@@ -129,7 +129,8 @@ class Viewer:
 
     def _on_pointer(self, event: dict[str, Any]) -> None:
         self.refresh()
-        if event["event_type"] == "pointer_down":
+        if event["event_type"] in ("pointer_down", "pointer_up"):
+            # Of a release too: a page that takes over begins with one, and every page has a clock of its own.
             self._pressed_at = event.get("time_stamp", 0.0)
         elif event.get("time_stamp", 0.0) < self._pressed_at and event["event_type"] == "pointer_move":
             # A page holds moves back for a while, and sends presses at once.

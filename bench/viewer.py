@@ -18,6 +18,7 @@ import numpy as np
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests"))
 
 from browser import Served, Tab, chromium, served, tab_of
+from playwright.sync_api import sync_playwright
 
 METHODS = ("pervertex", "raytrace", "environment", "trilinear", "pervertex:refine=1", "pervertex:tolerance=0.5")
 
@@ -60,10 +61,14 @@ def main() -> None:
     parser.add_argument("--minutes", type=float, default=0.0, help="of scripted use, watching memory and log (none)")
     arguments = parser.parse_args()
     width, height = map(int, arguments.size.split("x"))
-    with tempfile.TemporaryDirectory() as folder, served(Path(folder), arguments.scene) as viewer:
+    with (
+        tempfile.TemporaryDirectory() as folder,
+        served(Path(folder), arguments.scene) as viewer,
+        sync_playwright() as playwright,
+    ):
         # A line below the picture belongs to the status.
-        with chromium() as browser, tab_of(browser, viewer, (width, height + 24)) as tab:
-            tab.wait_for_picture()
+        viewport = {"width": width, "height": height + 24}
+        with chromium(playwright) as browser, tab_of(browser, viewer, viewport=viewport) as tab:
             tab.page.evaluate(WATCH)
             if arguments.minutes:
                 use(tab, viewer, arguments.minutes)

@@ -47,7 +47,7 @@ def inspect(
     frame : Frame
         With its seen buffers.
     truth : Frame, optional
-        With its seen buffers and its last rays; without it, there are no errors but those of `maps`.
+        With its seen buffers; without it, the true path alone tells what is there.
     maps : ErrorMaps, optional
         Of the frame against the truth; without them the error in pixels is not known.
 

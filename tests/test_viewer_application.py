@@ -293,12 +293,12 @@ def test_a_new_method_needs_no_change_to_the_viewer(monkeypatch: pytest.MonkeyPa
 
     def opened(view: View, options: ToyOptions) -> Session:
         drawn.append(options.grain)
-        return METHODS["environment"].open(view, METHODS["environment"].options())
+        return METHODS["raytrace"].open(view, METHODS["raytrace"].options())
 
-    method = replace(METHODS["environment"], name="toy", summary="A toy", options=ToyOptions, open=opened)
+    method = replace(METHODS["raytrace"], name="toy", summary="A toy", options=ToyOptions, open=opened)
     monkeypatch.setitem(METHODS, "toy", method)
-    hand = Hand(start("flat-mirror"), (560, 500))
-    hand.settle()
+    hand = Hand(start("flat-mirror"), (380, 500))
+    show(hand, samples=1)
     for key in ("first/method", "first/method/toy", "first/options"):
         hand.click(*hand.widget(key))
         hand.draw(3)
@@ -308,7 +308,7 @@ def test_a_new_method_needs_no_change_to_the_viewer(monkeypatch: pytest.MonkeyPa
     assert set(drawn) == {1, 7}
     hand.send("pointer_move", x=5.0, y=495.0, button=0)
     shown = picture_of(hand.settle(), hand)
-    wanted = an.render("flat-mirror", "environment", size=shown.shape[1::-1], samples=4).color
+    wanted = an.render("flat-mirror", "raytrace", size=shown.shape[1::-1]).color
     differs = np.abs(shown - 255.0 * encode_srgb(np.clip(wanted, 0, 1).astype(float)))[80:]
     assert differs.max() < 2.5, np.percentile(differs, [50, 99, 99.9, 100])
     hand.close()

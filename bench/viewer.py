@@ -12,6 +12,7 @@ import sys
 import tempfile
 import time
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -160,10 +161,9 @@ def act(tab: Tab, chance: random.Random) -> None:
         if chance.random() < 0.5:
             tab.key("r")
     elif kind < 6:
-        names = [name for name in tab.report()["rectangles"] if name.startswith("mirror/")]
-        if names:
-            x, y = tab.center(chance.choice(names))
-            tab.drag((x, y), (x + chance.uniform(-40, 40), y))
+        places = [place for name, place in seen_widgets(tab).items() if name.startswith(("mirror/", "eye/", "first/"))]
+        if places:
+            drag(page, chance.choice(places), chance.uniform(-40, 40))
     elif kind == 6:
         tab.key(chance.choice(["s", "m", "Shift+M", "x", "1", "2", "3", "u", "e", "o", "w", "h", "v", "b"]))
     elif kind == 7:
@@ -180,6 +180,27 @@ def act(tab: Tab, chance: random.Random) -> None:
     else:
         tab.key("Shift+R")
     page.wait_for_timeout(chance.choice([50, 400, 1500]))
+
+
+def seen_widgets(tab: Tab) -> dict[str, tuple[float, float]]:
+    """The middles of the panel's widgets that are not scrolled away."""
+    found = tab.report()["rectangles"]
+    if "panel/body" not in found:
+        return {}
+    top, bottom = found["panel/body"][1], found["panel/body"][3]
+    middles = {name: ((box[0] + box[2]) / 2.0, (box[1] + box[3]) / 2.0) for name, box in found.items()}
+    return {name: (x, y) for name, (x, y) in middles.items() if top < y < bottom and name != "panel/body"}
+
+
+def drag(page: Any, start: tuple[float, float], right: float) -> None:
+    """Drag to the right, or to the left, slowly enough to be seen."""
+    x, y = start
+    page.mouse.move(x, y)
+    page.mouse.down()
+    for step in range(1, 9):
+        page.mouse.move(x + right * step / 8.0, y)
+        page.wait_for_timeout(30)
+    page.mouse.up()
 
 
 def memory(process: int) -> float:

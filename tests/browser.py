@@ -58,8 +58,13 @@ class Served:
     errors: Path
 
     @property
+    def page(self) -> str:
+        """Its address; what else is served is found from there."""
+        return self.link.split("?")[0]
+
+    @property
     def origin(self) -> str:
-        return self.link.split("/?")[0]
+        return "/".join(self.link.split("/")[:3])
 
     @property
     def port(self) -> int:
@@ -98,8 +103,8 @@ def served(directory: Path, *arguments: str) -> Iterator[Served]:
 class Tab:
     """A tab with the viewer; places are in logical pixels of the page, which are the canvas's."""
 
-    def __init__(self, page: Any, origin: str) -> None:
-        self.page, self._origin = page, origin
+    def __init__(self, page: Any, address: str) -> None:
+        self.page, self._address = page, address
         self.complaints: list[str] = []
         page.on("console", lambda message: self.complaints.append(message.text))
         page.on("pageerror", lambda error: self.complaints.append(str(error)))
@@ -108,7 +113,7 @@ class Tab:
         self.page.wait_for_selector("img[src^='blob:']", timeout=1000 * PATIENCE)
 
     def report(self) -> dict[str, Any]:
-        return self.page.context.request.get(f"{self._origin}/report.json").json()
+        return self.page.context.request.get(f"{self._address}report.json").json()
 
     def wait_until(
         self, predicate: Callable[[dict[str, Any]], Any], what: str = "what was waited for"
@@ -178,9 +183,9 @@ def chromium(playwright: Any, *flags: str) -> Iterator[Any]:
 
 @contextmanager
 def tab_of(browser: Any, viewer: Served, **context: Any) -> Iterator[Tab]:
-    """Open the link in a profile of its own, with options for that; a next tab there opens `viewer.origin`."""
+    """Open the link in a profile of its own, with options for that; a next tab there opens `viewer.page`."""
     profile = browser.new_context(**{"viewport": {"width": 1000, "height": 640}, **context})
-    tab = Tab(profile.new_page(), viewer.origin)
+    tab = Tab(profile.new_page(), viewer.page)
     tab.page.goto(viewer.link)
     tab.wait_for_picture()
     yield tab

@@ -4,22 +4,31 @@ from __future__ import annotations
 
 import gc
 import json
+import os
 import weakref
-from collections.abc import Iterator
-from dataclasses import replace
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
+import wgpu
 from PIL import Image
 from viewer_hand import Hand
 
 import anamorph as an
+from anamorph.errors import AnamorphError
+from anamorph.frame import Frame, View
 from anamorph.gpu.device import get_device
+from anamorph.methods import METHODS, Session
+from anamorph.methods.options import option
 from anamorph.scene.builtin import make
 from anamorph.srgb import encode_srgb
+from anamorph.viewer.marks import NO_MARKS, Marks
+from anamorph.viewer.space import Space
 from anamorph.viewer.starting import start
-from anamorph.viewer.state import Drawing, EyeSide, Layer
+from anamorph.viewer.state import Drawing, EyeSide, Half, Layer, State
 
 
 @pytest.fixture
@@ -82,6 +91,18 @@ def test_a_move_that_a_page_held_back_does_not_undo_the_press(hand: Hand) -> Non
     hand.send("pointer_move", x=x - 50, y=y, button=0, time_stamp=1.9)
     hand.send("pointer_move", x=x + 40, y=y, button=1, buttons=(1,), time_stamp=2.1)
     assert hand.viewer.state.camera != camera
+
+
+def test_a_page_that_takes_over_has_a_clock_of_its_own(hand: Hand, monkeypatch: pytest.MonkeyPatch) -> None:
+    cursors: list[str] = []
+    show(hand, split=True)
+    monkeypatch.setattr(hand.canvas, "set_cursor", cursors.append)
+    (x, y), divider = hand.place(0.8, 0.6), hand.place(0.5, 0.6)
+    hand.send("pointer_down", x=x, y=y, button=1, buttons=(1,), time_stamp=3600.0)
+    # What the page of another tab says first.
+    hand.send("pointer_up", x=-1, y=-1, button=1, time_stamp=0.5)
+    hand.send("pointer_move", x=divider[0], y=divider[1], button=0, time_stamp=0.6)
+    assert cursors[-1] == "ew_resize"
 
 
 def test_a_slider_turns_the_mirror(hand: Hand) -> None:
@@ -244,6 +265,140 @@ def test_a_lost_device_is_replaced(hand: Hand) -> None:
     hand.settle()
     gc.collect()
     assert lost() is None
+
+
+def toy(monkeypatch: pytest.MonkeyPatch, opened: Callable[[View, Any], Session]) -> None:
+    """Register a method that is opened so."""
+    monkeypatch.setitem(METHODS, "toy", replace(METHODS["pervertex"], name="toy", summary="A toy", open=opened))
+
+
+def show(hand: Hand, **fields: Any) -> None:
+    hand.viewer.state = replace(hand.viewer.state, **fields)
+    hand.viewer.refresh()
+    hand.settle()
+
+
+def test_a_new_method_needs_no_change_to_the_viewer(monkeypatch: pytest.MonkeyPatch) -> None:
+    @dataclass(frozen=True)
+    class ToyOptions:
+        """What a toy can be told.
+
+        Parameters
+        ----------
+        grain : int
+            How grainy it is.
+        """
+
+        grain: int = option(1, low=1, high=7)
+
+    drawn = []
+
+    def opened(view: View, options: ToyOptions) -> Session:
+        drawn.append(options.grain)
+        return METHODS["raytrace"].open(view, METHODS["raytrace"].options())
+
+    method = replace(METHODS["raytrace"], name="toy", summary="A toy", options=ToyOptions, open=opened)
+    monkeypatch.setitem(METHODS, "toy", method)
+    hand = Hand(start("flat-mirror"), (380, 500))
+    show(hand, samples=1)
+    for key in ("first/method", "first/method/toy", "first/options"):
+        hand.click(*hand.widget(key))
+        hand.draw(3)
+    assert hand.viewer.state.first.method == "toy" and "first/grain" in hand.viewer.report()["rectangles"]
+    hand.click(*hand.widget("first/grain", 0.99))
+    assert hand.viewer.state.first.method == "toy:grain=7"
+    assert set(drawn) == {1, 7}
+    hand.send("pointer_move", x=5.0, y=495.0, button=0)
+    shown = picture_of(hand.settle(), hand)
+    wanted = an.render("flat-mirror", "raytrace", size=shown.shape[1::-1]).color
+    differs = np.abs(shown - 255.0 * encode_srgb(np.clip(wanted, 0, 1).astype(float)))[80:]
+    assert differs.max() < 2.5, np.percentile(differs, [50, 99, 99.9, 100])
+    hand.close()
+
+
+def broken(view: View, options: Any) -> Session:
+    raise ZeroDivisionError("a toy that breaks\nwherever it is drawn")
+
+
+def too_large(view: View, options: Any) -> Session:
+    get_device().create_texture(size=(1 << 20, 1, 1), format="rgba8unorm", usage=wgpu.TextureUsage.COPY_DST)
+    raise AssertionError("the device has made it")
+
+
+def unreadable(view: View, options: Any) -> Session:
+    session = METHODS["pervertex"].open(view, METHODS["pervertex"].options())
+
+    def frame(seen: bool = False) -> Frame:
+        raise AnamorphError("toy: it cannot be read; give another")
+
+    session.frame = frame  # type: ignore[method-assign]
+    return session
+
+
+@pytest.mark.parametrize(
+    ("opened", "said"), [(broken, "ZeroDivisionError"), (too_large, "graphics device"), (unreadable, "cannot be read")]
+)
+def test_a_method_that_fails_is_told_of_and_the_rest_goes_on(
+    hand: Hand, monkeypatch: pytest.MonkeyPatch, opened: Callable[[View, Any], Session], said: str
+) -> None:
+    before = picture_of(hand.settle(), hand)
+    toy(monkeypatch, opened)
+    show(hand, first=Half("toy", Layer.STATUS), split=True)
+    told = hand.viewer.report()["message"]
+    assert said in told and "\n" not in told
+    assert np.ptp(picture_of(hand.draw(), hand)[100:, 160:].astype(int)) > 50
+    show(hand, first=Half("pervertex"), split=False)
+    assert not hand.viewer.report()["message"]
+    assert alike(picture_of(hand.draw(), hand), before)
+
+
+def test_what_cannot_be_measured_is_told_of(hand: Hand, monkeypatch: pytest.MonkeyPatch) -> None:
+    def refusing(truth: Frame, frame: Frame) -> None:
+        raise AnamorphError("frame: it cannot be measured")
+
+    hand.settle()
+    monkeypatch.setattr("anamorph.viewer.showing.measure_half", refusing)
+    show(hand, first=Half("pervertex", Layer.ERROR))
+    assert "cannot be measured" in hand.viewer.report()["message"]
+
+
+def test_what_is_in_space_follows_the_other_half(hand: Hand, monkeypatch: pytest.MonkeyPatch) -> None:
+    show(hand, first=Half("raytrace"), second=Half("pervertex"), split=True, drawings=frozenset({Drawing.VOLUME}))
+    asked: list[State] = []
+
+    def marking(space: Space, state: State, *others: Any) -> Marks:
+        asked.append(state)
+        return NO_MARKS
+
+    monkeypatch.setattr("anamorph.viewer.application.space_marks", marking)
+    show(hand, second=Half("pervertex:align=false"))
+    assert [each.second.method for each in asked] == ["pervertex:align=false"]
+
+
+def test_a_folder_that_is_gone_is_told_of(hand: Hand, tmp_path: Path) -> None:
+    hand.settle()
+    (tmp_path / "gone").mkdir()
+    os.chdir(tmp_path / "gone")
+    (tmp_path / "gone").rmdir()
+    for key in (("p",), ("s", "Control")):
+        hand.key(*key)
+        hand.settle(lambda report: report["message"])
+        assert "saving" in hand.viewer.report()["message"] or "cannot be written" in hand.viewer.report()["message"]
+        hand.click(*hand.widget("message/close"))
+    assert hand.viewer.report()["progress"] is None
+
+
+def test_from_outside_no_error_is_told_of_a_path_that_has_moved(hand: Hand) -> None:
+    show(hand, picked=(0.5, 0.5))
+    looked = hand.viewer.report()["inspection"]
+    assert looked["angular_mrad"] is not None
+    hand.key("o")
+    hand.settle()
+    assert hand.viewer.report()["inspection"] == looked
+    show(hand, values={"mirror/swivel": 20.0})
+    moved = hand.viewer.report()["inspection"]
+    assert moved["path"] != looked["path"] and moved["angular_mrad"] is None
+    assert moved["truth"] == moved["path"][-1]["name"]
 
 
 def test_every_builtin_scene_opens() -> None:

@@ -38,7 +38,7 @@ def changed(before: np.ndarray, after: np.ndarray) -> float:
 def test_the_divider_a_slider_the_method_and_a_click_do_what_they_are_for(browser, tmp_path):
     with served(tmp_path, "flat-mirror") as viewer, tab_of(browser, viewer) as tab:
         report = tab.wait_until(lambda report: report["at_rest"], "rest")
-        assert tab.page.url == f"{viewer.origin}/"
+        assert tab.page.url == viewer.page
         assert tab.page.title() == "flat-mirror - Anamorph"
         assert report["size"] == [1000, 640]
         view = [report["rectangles"]["panel"][2], 0.0, 1000.0, 600.0]
@@ -138,7 +138,7 @@ def test_the_picture_follows_the_window_and_the_tab_that_controls_it(browser, tm
 def another_tab(tab: Tab, viewer: Served, width: int, height: int) -> Any:
     page = tab.page.context.new_page()
     page.set_viewport_size({"width": width, "height": height})
-    page.goto(viewer.origin)
+    page.goto(viewer.page)
     return page
 
 

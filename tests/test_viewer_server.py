@@ -27,12 +27,12 @@ async def _inside(scope: Any, receive: Any, send: Any) -> None:
 
 @pytest.fixture
 def gate() -> Gate:
-    return Gate(_inside, PORT, {"/": ("text/html", lambda: "the page"), "/report.json": ("text/json", lambda: "{}")})
+    return Gate(_inside, PORT, {"": ("text/html", lambda: "the page"), "report.json": ("text/json", lambda: "{}")})
 
 
 def ask(gate: Gate, target: str, method: str = "GET", **headers: str) -> tuple[int, dict[str, str], str]:
-    """Status, headers and text of a request; headers are given with underscores."""
-    path, _, query = target.partition("?")
+    """Status, headers and text of a request; headers are given with underscores, and the target in the folder."""
+    path, _, query = (target if target.startswith("/") else gate.folder + target).partition("?")
     lines = {"host": HOST, **{name.replace("_", "-"): value for name, value in headers.items()}}
     scope = {
         "type": "http",
@@ -51,7 +51,7 @@ def stream(gate: Gate, path: str = STREAM, **headers: str) -> bool:
     lines = {"host": HOST, "origin": f"http://{HOST}", **headers}
     scope = {
         "type": "websocket",
-        "path": path,
+        "path": path if path.startswith("/") else gate.folder + path,
         "headers": [(name.encode(), value.encode()) for name, value in lines.items()],
     }
     return _spoken(gate, scope)[0]["type"] == "websocket.accept"
@@ -70,27 +70,38 @@ def _spoken(gate: Gate, scope: Any) -> list[dict[str, Any]]:
 def admitted(gate: Gate) -> str:
     """The cookie that the link brings."""
     status, headers, _ = ask(gate, gate.link.split(HOST)[1])
-    assert (status, headers["location"]) == (303, "/")
+    assert (status, headers["location"]) == (303, gate.folder)
     cookie, *attributes = headers["set-cookie"].split("; ")
-    assert {"HttpOnly", "SameSite=Strict", "Path=/"} <= set(attributes)
+    assert {"HttpOnly", "SameSite=Strict", f"Path={gate.folder}"} <= set(attributes)
     return cookie
 
 
 def test_the_link_opens_the_page_for_the_browser_that_had_it_first(gate):
-    assert ask(gate, "/")[0] == 403
+    assert ask(gate, "")[0] == 403
     cookie = admitted(gate)
-    assert ask(gate, "/", cookie=cookie)[::2] == (200, "the page")
-    assert ask(gate, "/report.json", cookie=f"other=1; {cookie}")[0] == 200
+    assert ask(gate, "", cookie=cookie)[::2] == (200, "the page")
+    assert ask(gate, "report.json", cookie=f"other=1; {cookie}")[0] == 200
     again = ask(gate, gate.link.split(HOST)[1])
     assert again[0] == 403
     assert again[2].count("\n") == 1
     assert ask(gate, gate.link.split(HOST)[1], cookie=cookie)[0] == 303
 
 
+def test_the_cookie_stays_away_from_what_else_is_served_on_this_machine(gate):
+    cookie = admitted(gate)
+    others = ("/", "/report.json", gate.folder[:-1], f"{gate.folder}../", f"/other{gate.folder}", f"{gate.folder}/")
+    assert {ask(gate, path, cookie=cookie)[0] for path in others} == {404}
+    assert not stream(gate, cookie=cookie, path=f"/{STREAM}")
+    another = Gate(_inside, PORT, {})
+    assert len(gate.folder) > 20 and another.folder != gate.folder
+    token = gate.link.split("?")[1]
+    assert ask(another, f"?{token}")[0] == 403
+
+
 @pytest.mark.parametrize("token", ["", "x", "%00", "%C3%A9", "A" * 43])
 def test_a_wrong_token_opens_nothing_and_spends_nothing(gate, token):
-    assert ask(gate, f"/?token={token}")[0] == 403
-    assert ask(gate, f"/?token={token}", method="POST")[0] in (403, 405)
+    assert ask(gate, f"?token={token}")[0] == 403
+    assert ask(gate, f"?token={token}", method="POST")[0] in (403, 405)
     admitted(gate)
 
 
@@ -104,7 +115,7 @@ def test_looking_whether_the_page_is_there_does_not_spend_the_token(gate):
 )
 def test_a_foreign_name_is_refused_even_with_the_cookie(gate, host):
     cookie = admitted(gate)
-    assert ask(gate, "/", cookie=cookie, host=host)[0] == 403
+    assert ask(gate, "", cookie=cookie, host=host)[0] == 403
     assert not stream(gate, cookie=cookie, host=host, origin=f"http://{host}")
 
 
@@ -118,7 +129,7 @@ def test_only_our_page_with_the_cookie_opens_the_stream(gate):
     assert stream(gate, cookie=cookie)
     assert not stream(gate)
     assert not stream(gate, cookie=cookie[:-1])
-    assert not stream(gate, cookie=cookie, path="/")
+    assert not stream(gate, cookie=cookie, path="")
     for origin in ("http://evil.example", f"https://{HOST}", f"http://localhost:{PORT}", "null", ""):
         assert not stream(gate, cookie=cookie, origin=origin)
     assert stream(gate, cookie=cookie, host=f"localhost:{PORT}", origin=f"http://localhost:{PORT}")
@@ -126,7 +137,7 @@ def test_only_our_page_with_the_cookie_opens_the_stream(gate):
 
 def test_every_answer_forbids_caching_framing_and_foreign_content(gate):
     cookie = admitted(gate)
-    answers = [ask(gate, "/"), ask(gate, "/", cookie=cookie), ask(gate, "/none", cookie=cookie)]
+    answers = [ask(gate, ""), ask(gate, "", cookie=cookie), ask(gate, "none", cookie=cookie)]
     assert [status for status, *_ in answers] == [403, 200, 404]
     for _, headers, _ in answers:
         assert headers["cache-control"] == "no-store"
@@ -134,8 +145,8 @@ def test_every_answer_forbids_caching_framing_and_foreign_content(gate):
         assert headers["x-content-type-options"] == "nosniff"
         assert "default-src 'none'" in headers["content-security-policy"]
         assert "unsafe" not in headers["content-security-policy"]
-    assert ask(gate, "/", method="POST", cookie=cookie)[0] == 405
-    assert ask(gate, "/", method="HEAD", cookie=cookie)[2] == ""
+    assert ask(gate, "", method="POST", cookie=cookie)[0] == 405
+    assert ask(gate, "", method="HEAD", cookie=cookie)[2] == ""
 
 
 @pytest.fixture(scope="module")
@@ -148,6 +159,8 @@ def viewer(tmp_path_factory):
 
 
 def get(viewer: Served, target: str, **headers: str) -> tuple[int, Any, bytes]:
+    """Status, headers and content of what is asked for beside the page."""
+    target = viewer.page.removeprefix(viewer.origin) + target
     with closing(http.client.HTTPConnection("127.0.0.1", viewer.port)) as connection:
         connection.request("GET", target, headers=headers)
         response = connection.getresponse()
@@ -156,16 +169,16 @@ def get(viewer: Served, target: str, **headers: str) -> tuple[int, Any, bytes]:
 
 @pytest.fixture(scope="module")
 def cookie(viewer: Served) -> str:
-    _, headers, _ = get(viewer, viewer.link.removeprefix(viewer.origin))
+    _, headers, _ = get(viewer, viewer.link.removeprefix(viewer.page))
     return headers["set-cookie"].split(";")[0]
 
 
 def report(viewer: Served, cookie: str) -> dict[str, Any]:
-    return json.loads(get(viewer, "/report.json", Cookie=cookie)[2])
+    return json.loads(get(viewer, "report.json", Cookie=cookie)[2])
 
 
 def opened(viewer: Served, cookie: str) -> Any:
-    address = viewer.origin.replace("http", "ws") + STREAM
+    address = viewer.page.replace("http", "ws") + STREAM
     return connect(address, origin=viewer.origin, additional_headers={"Cookie": cookie})
 
 
@@ -190,14 +203,14 @@ async def confirm(socket: Any, picture: dict[str, Any]) -> None:
 
 
 def test_a_live_server_refuses_strangers(viewer, cookie):
-    assert get(viewer, "/report.json")[0] == 403
+    assert get(viewer, "report.json")[0] == 403
 
     async def knock() -> None:
         with pytest.raises(InvalidStatus):
-            await connect(viewer.origin.replace("http", "ws") + STREAM, origin=viewer.origin)
+            await connect(viewer.page.replace("http", "ws") + STREAM, origin=viewer.origin)
         with pytest.raises(InvalidStatus):
             await connect(
-                viewer.origin.replace("http", "ws") + STREAM,
+                viewer.page.replace("http", "ws") + STREAM,
                 origin="http://evil.example",
                 additional_headers={"Cookie": cookie},
             )

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -177,6 +178,25 @@ def test_at_rest_the_picture_is_that_of_render(scene: Scene) -> None:
     shown = showing.halves[0].picture
     assert shown is not None
     wanted = an.render(scene, "pervertex", size=SIZE, samples=2).color
+    assert np.abs(read_texture(shown)[..., :3] - wanted).max() < 2e-3 * max(1.0, wanted.max())
+
+
+@pytest.mark.parametrize("steps", [1, 3])
+@pytest.mark.parametrize("change", [{"picked": (0.5, 0.5)}, {"samples": 3}, {"samples": 1}])
+def test_no_sample_counts_twice_when_something_is_asked_for_meanwhile(
+    scene: Scene, steps: int, change: dict[str, Any]
+) -> None:
+    showing = Showing()
+    showing.update(scene, STATE, SIZE)
+    for _ in range(steps):
+        showing.rest()
+    after = replace(STATE, **change)
+    showing.update(scene, after, SIZE)
+    settle(showing)
+    assert showing.samples_done == (0 if after.samples == 1 else after.samples**2)
+    shown = showing.halves[0].picture
+    assert shown is not None
+    wanted = an.render(scene, "pervertex", size=SIZE, samples=after.samples).color
     assert np.abs(read_texture(shown)[..., :3] - wanted).max() < 2e-3 * max(1.0, wanted.max())
 
 

@@ -75,8 +75,13 @@ def test_a_window_opens_follows_the_mouse_and_closes(display, tmp_path):
             env=display.environment,
             cwd=tmp_path,
         )
+
+    def found() -> str:
+        assert process.poll() is None, errors.read_text()
+        return display.do("search", "--name", "flat-mirror - Anamorph").strip()
+
     try:
-        window = wait_until(lambda: display.do("search", "--name", "flat-mirror - Anamorph").strip(), "a window")
+        window = wait_until(found, "a window")
         geometry = display.do("getwindowgeometry", "--shell", window)
         assert f"WIDTH={SCREEN[0]}\n" in geometry, "the window fits the screen, which is narrower than it would be"
 

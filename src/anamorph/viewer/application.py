@@ -19,10 +19,12 @@ from anamorph.scene.model import Scene
 from anamorph.viewer import starting
 from anamorph.viewer.controls import edited
 from anamorph.viewer.facts import Facts, Progress, Request
+from anamorph.viewer.failures import told
 from anamorph.viewer.gestures import NO_GRIP, cursor, handle
 from anamorph.viewer.home import Home
 from anamorph.viewer.layout import in_pixels, inside, picture_area
 from anamorph.viewer.looking import Looking
+from anamorph.viewer.marks import NO_MARKS
 from anamorph.viewer.panel import Drawn, draw_panel
 from anamorph.viewer.reports import report
 from anamorph.viewer.saving import Saving
@@ -144,7 +146,8 @@ class Viewer:
 
     def _on_pointer(self, event: dict[str, Any]) -> None:
         self.refresh()
-        if event["event_type"] == "pointer_down":
+        if event["event_type"] in ("pointer_down", "pointer_up"):
+            # Of a release too: a page that takes over begins with one, and every page has a clock of its own.
             self._pressed_at = event.get("time_stamp", 0.0)
         elif event.get("time_stamp", 0.0) < self._pressed_at and event["event_type"] == "pointer_move":
             # A page holds moves back for a while, and sends presses at once.
@@ -188,25 +191,36 @@ class Viewer:
             return
         # To ask a window for its texture on a lost device would end the process.
         self._recover(device_lost())
-        try:
-            self._open_asked()
-            self._advance()
-            self._paint()
-        except wgpu.GPUError as error:
-            self.message = f"the graphics device failed: {' '.join(str(error).split())[:200]}"
-            self._let_go()
+        # Each for itself: whatever fails, the panel is there to say so.
+        for step in (self._open_asked, self._advance, self._mark, self._paint):
+            try:
+                step()
+            except wgpu.DrawCancelled:
+                # A window that cannot be drawn into now; the canvas tries again.
+                raise
+            except Exception as error:
+                self._tell(told(error, "drawing"))
+                if isinstance(error, wgpu.GPUError):
+                    self._let_go()
         self.frames += 1
         if self._settling > 0:
             self._settling -= 1
             self._canvas.request_draw()
 
+    def _tell(self, message: str) -> None:
+        """Show a message that may come up again with every frame, without a frame for each."""
+        if message != self.message:
+            self.message = message
+            self.refresh()
+
     def _recover(self, lost: str | None) -> None:
         """Go on with a new device where the old one is lost, with everything opened anew."""
         if lost is not None:
             self._let_go()
-            self._surface.close()
             forget_device()
-            self._surface = self._new_surface()
+            # Closed last: where there is no other device, events go on to reach the old one.
+            self._surface, old = self._new_surface(), self._surface
+            old.close()
             self.message = "the graphics device was lost; this is drawn with a new one"
 
     def _advance(self) -> None:
@@ -234,20 +248,23 @@ class Viewer:
 
     def _paint(self) -> None:
         pixels = self._pixels
-        if self._scene.meshes and min(pixels[2:]) > 0:
-            self._mark(pixels[2:])
         clip = camera_projection(shown_camera(self.state), (max(pixels[2], 1), max(pixels[3], 1))).clip
         ratio = self._canvas.get_pixel_ratio()
         self._surface.draw(pixels, self._showing.halves, self.state.divider, clip, ratio)
         self._surface.imgui.render()
 
-    def _mark(self, size: tuple[int, int]) -> None:
+    def _mark(self) -> None:
         """Put into space what is to be drawn there, where that has changed."""
-        looking = looking_eye(self.state)
+        size, looking = self._pixels[2:], looking_eye(self.state)
+        if not self._scene.meshes or min(size) < 1:
+            return
         inspection = self._looking.update(self._space, self.state, size, self._showing)
-        marked = (self._scene, self.state.drawings, self.state.observer, self.state.first, looking, size, inspection)
+        methods = tuple(half.method for half in self.state.halves)
+        marked = (self._scene, self.state.drawings, self.state.observer, methods, looking, size, inspection)
         if marked != self._marked:
             self._marked = marked
+            # Should the new ones fail, the old ones must not stay.
+            self._surface.mark(NO_MARKS)
             self._surface.mark(space_marks(self._space, self.state, looking, size, inspection))
 
     def _draw_panel(self) -> None:
@@ -291,7 +308,7 @@ class Viewer:
                 size = self._pixels[2:]
                 self.message = ""
                 shot = Shot(self.start.opened, self._scene, self.state, size, self._showing, self._picture)
-                self._saving = saving_of(request, shot, Path.cwd())
+                self._saving = saving_of(request, shot, Path())
             self.refresh()
 
     def _save(self, saving: Saving) -> None:
@@ -301,8 +318,8 @@ class Viewer:
         except StopIteration as end:
             self.message = end.value
             self._stop_saving()
-        except (AnamorphError, OSError) as error:
-            self.message = str(error)
+        except Exception as error:
+            self.message = told(error, "saving")
             self._stop_saving()
         self.refresh()
 

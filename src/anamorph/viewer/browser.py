@@ -30,7 +30,7 @@ LONGEST_MESSAGE = 65536
 
 SIGNALS = (signal.SIGINT, signal.SIGTERM)
 
-SCRIPTS = {"/page.js": ("text/javascript", "page.js"), "/page.css": ("text/css", "page.css")}
+SCRIPTS = {"page.js": "text/javascript", "page.css": "text/css"}
 
 
 def serve(beginning: Start, port: int, size: tuple[int, int], tell: Callable[[str], object]) -> None:
@@ -87,17 +87,17 @@ def _listen(port: int) -> socket.socket:
 
 
 def _contents(viewer: Viewer) -> dict[str, Content]:
-    """What is served, by path."""
+    """What is served, by name."""
     contents: dict[str, Content] = {}
     page = files(__package__)
     text = page.joinpath("page.html").read_text()
-    contents["/"] = "text/html", lambda: text.replace("{title}", escape(viewer.title))
-    for path, (media, name) in SCRIPTS.items():
-        contents[path] = media, page.joinpath(name).read_text
+    contents[""] = "text/html", lambda: text.replace("{title}", escape(viewer.title))
+    for name, media in SCRIPTS.items():
+        contents[name] = media, page.joinpath(name).read_text
     for name in ("renderview.js", "renderview.css"):
         media, resource = http.resources[name]
-        contents[f"/{name}"] = media, partial(str, resource)
-    contents["/report.json"] = "application/json", lambda: json.dumps(viewer.report(), allow_nan=False)
+        contents[name] = media, partial(str, resource)
+    contents["report.json"] = "application/json", lambda: json.dumps(viewer.report(), allow_nan=False)
     return contents
 
 

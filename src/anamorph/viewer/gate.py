@@ -2,7 +2,9 @@
 
 Other users of the machine can connect to a port on it, and any page in any browser can send requests there. Hence a
 token that is good once, a cookie that scripts cannot read and other sites cannot send, and a check of the names under
-which the viewer is asked for, so that no foreign name can be pointed at this machine.
+which the viewer is asked for, so that no foreign name can be pointed at this machine. Cookies are kept by name and not
+by port: whatever else is served on this machine would be sent ours, too, were it not for a folder of which only those
+know who have the link.
 """
 
 from __future__ import annotations
@@ -19,8 +21,8 @@ Application = Callable[[Any, Any, Any], Awaitable[None]]
 Content = tuple[str, Callable[[], str]]
 """A media type, and what makes the text."""
 
-STREAM = "/stream"
-"""Where the websocket is."""
+STREAM = "stream"
+"""Where the websocket is, in the folder."""
 
 Headers = Mapping[bytes, list[bytes]]
 Answer = tuple[HTTPStatus, str, str, dict[str, str]]
@@ -39,7 +41,14 @@ class Gate:
     port : int
         On which it is served.
     contents : mapping of str to Content
-        By path.
+        By name in the folder; the page has none.
+
+    Attributes
+    ----------
+    folder : str
+        The path under which all is served, with a slash at either end.
+    link : str
+        Opens the page in the browser that follows it first.
     """
 
     def __init__(self, inside: Application, port: int, contents: Mapping[str, Content]) -> None:
@@ -48,9 +57,9 @@ class Gate:
         self._hosts = {f"{name}:{port}".encode() for name in ("127.0.0.1", "localhost")}
         self._token, self._session = secrets.token_urlsafe(32), secrets.token_urlsafe(32)
         self._spent = False
-        # Browsers keep cookies by name and not by port.
         self._cookie = f"anamorph-{port}"
-        self.link = f"http://127.0.0.1:{port}/?token={self._token}"
+        self.folder = f"/{secrets.token_urlsafe(16)}/"
+        self.link = f"http://127.0.0.1:{port}{self.folder}?token={self._token}"
         self._headers = {
             "Cache-Control": "no-store",
             "Content-Security-Policy": "default-src 'none'; script-src 'self'; style-src 'self'; "
@@ -80,14 +89,15 @@ class Gate:
             return _said(HTTPStatus.FORBIDDEN)
         if scope["method"] not in ("GET", "HEAD"):
             return _said(HTTPStatus.METHOD_NOT_ALLOWED, Allow="GET, HEAD")
-        if scope["path"] == "/" and given and (known or self._spend(scope["method"], given)):
-            cookie = f"{self._cookie}={self._session}; Path=/; HttpOnly; SameSite=Strict"
-            return _said(HTTPStatus.SEE_OTHER, Location="/", **{"Set-Cookie": cookie})
+        if scope["path"] == self.folder and given and (known or self._spend(scope["method"], given)):
+            cookie = f"{self._cookie}={self._session}; Path={self.folder}; HttpOnly; SameSite=Strict"
+            return _said(HTTPStatus.SEE_OTHER, Location=self.folder, **{"Set-Cookie": cookie})
         if not known:
             return _said(HTTPStatus.FORBIDDEN)
-        if scope["path"] not in self._contents:
+        folder, slash, name = scope["path"].rpartition("/")
+        if folder + slash != self.folder or name not in self._contents:
             return _said(HTTPStatus.NOT_FOUND)
-        media, make = self._contents[scope["path"]]
+        media, make = self._contents[name]
         return HTTPStatus.OK, media, make(), {}
 
     def _spend(self, method: str, given: list[str]) -> bool:
@@ -101,7 +111,7 @@ class Gate:
         headers = _by_name(scope)
         host = self._host(headers)
         ours = host is not None and headers.get(b"origin") == [b"http://" + host]
-        return ours and scope["path"] == STREAM and self._knows(headers)
+        return ours and scope["path"] == self.folder + STREAM and self._knows(headers)
 
     def _host(self, headers: Headers) -> bytes | None:
         """The name under which we are asked for; None when it is not ours."""

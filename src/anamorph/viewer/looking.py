@@ -56,10 +56,11 @@ class Looking:
         return self.inspection
 
     def _follow(self, space: Space, eye: Camera) -> None:
-        """Trace the eye's path anew where it, or the scene, is another."""
+        """Trace the eye's path anew where it, or the scene, is another: of errors there is no word until it looks."""
         if self._traced != (space, eye) and self.inspection is not None:
             path = trace_path(space, eye, self._size, self.inspection.pixel)
-            self.inspection, self._traced = replace(self.inspection, path=path), (space, eye)
+            found = replace(self.inspection, path=path, truth=path[-1].name, angular_mrad=None, pixels=None)
+            self.inspection, self._traced = found, (space, eye)
 
     def _look(self, space: Space, state: State, size: Size, showing: Showing) -> None:
         assert state.picked is not None

@@ -117,7 +117,7 @@ function control (value) {
 }
 
 function connect () {
-  const opened = new WebSocket(`ws://${window.location.host}/stream`)
+  const opened = new WebSocket(`ws://${window.location.host}${window.location.pathname}stream`)
   opened.binaryType = 'arraybuffer'
   let announced = null
   opened.onopen = () => {

@@ -6,12 +6,12 @@ from collections.abc import Mapping
 
 import wgpu
 
-from anamorph.errors import AnamorphError
 from anamorph.frame import Frame, View
 from anamorph.methods import Session, parse
 from anamorph.scene.camera import Camera
 from anamorph.scene.model import Scene
 from anamorph.viewer.compose import Average
+from anamorph.viewer.failures import told
 
 Size = tuple[int, int]
 
@@ -71,7 +71,11 @@ class MethodPictures:
     def seen(self, camera: Camera, size: Size) -> Frame | None:
         """What each pixel sees, of an unshifted picture; the picture that is shown stays."""
         session = self._draw(camera, size, (0.0, 0.0))
-        return None if session is None else session.frame(seen=True)
+        try:
+            return None if session is None else session.frame(seen=True)
+        except Exception as error:
+            self._fail(error, camera, size)
+            return None
 
     def wait(self) -> None:
         """Return when the device has drawn the last picture."""
@@ -86,11 +90,15 @@ class MethodPictures:
         try:
             session = self._session(camera, size)
             session.draw(camera, shift)
-        except AnamorphError as error:
-            self.failure = str(error)
-            self._failed = camera, size, self.failure
+        except Exception as error:
+            self._fail(error, camera, size)
             return None
         return session
+
+    def _fail(self, error: Exception, camera: Camera, size: Size) -> None:
+        """Say why, whatever a method raises: the viewer goes on without it."""
+        self.failure = told(error, f"method {self._specification}")
+        self._failed = camera, size, self.failure
 
     def _session(self, camera: Camera, size: Size) -> Session:
         session = self._sessions.pop(size, None)

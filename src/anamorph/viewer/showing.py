@@ -35,6 +35,7 @@ class _Pictured:
     methods: tuple[str, ...]
     size: Size
     resolution: float
+    samples: int
 
 
 @dataclass(frozen=True)
@@ -44,7 +45,6 @@ class _Detailed:
     halves: tuple[Half, ...]
     unit: str
     picked: bool
-    samples: int
 
 
 class Showing:
@@ -89,8 +89,9 @@ class Showing:
 
     def update(self, scene: Scene, state: State, size: Size) -> bool:
         """Draw at once what has moved, or begin anew with the rest; tells whether anything has."""
-        pictured = _Pictured(shown_camera(state), tuple(half.method for half in state.halves), size, state.resolution)
-        detailed = _Detailed(state.halves, state.unit, state.picked is not None, state.samples)
+        methods = tuple(half.method for half in state.halves)
+        pictured = _Pictured(shown_camera(state), methods, size, state.resolution, state.samples)
+        detailed = _Detailed(state.halves, state.unit, state.picked is not None)
         moved = scene is not self._scene or pictured != self._pictured
         if not moved and detailed == self._detailed:
             return False
@@ -173,7 +174,7 @@ class Showing:
 
     def _resting(self) -> Iterator[None]:
         """Everything at full size, in steps none of which takes longer than a frame by a method or the truth."""
-        assert self._pictured is not None and self._detailed is not None
+        assert self._pictured is not None
         camera, size = self._pictured.camera, self._pictured.size
         methods = dict.fromkeys(self._pictured.methods)
         between = [scaled(size, scale) for scale in reversed(SCALES)] if self._long else []
@@ -185,8 +186,8 @@ class Showing:
                 self.picture = step
         self.at_rest = True
         yield from self._layering(size)
-        self.samples_done = 0
-        for shift in shifts(self._detailed.samples):
+        # Those are in the mean already that were drawn before something was asked for that moves nothing.
+        for shift in shifts(self._pictured.samples)[self.samples_done :]:
             for method in methods:
                 self._of(method).refine(camera, size, shift)
             self.samples_done += 1

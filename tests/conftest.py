@@ -1,0 +1,8 @@
+"""What holds for all tests: none fails because the machine has something else to do."""
+
+from __future__ import annotations
+
+from hypothesis import settings
+
+settings.register_profile("patient", deadline=None)
+settings.load_profile("patient")

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import gc
+import weakref
 from dataclasses import replace
 from pathlib import Path
 
@@ -9,7 +11,8 @@ import numpy as np
 import pytest
 
 from anamorph.errors import AnamorphError
-from anamorph.methods import METHODS, make_options
+from anamorph.frame import View
+from anamorph.methods import METHODS, make_options, parse
 from anamorph.rendering import render
 from anamorph.scene.camera import Camera
 from anamorph.scene.opening import open_scene
@@ -52,3 +55,20 @@ def test_a_scene_file_says_how_it_is_drawn(tmp_path: Path) -> None:
     assert frame.color.shape == (10, 20, 3)
     assert frame.ray_origin is not None
     assert render(file, "pervertex", size=(8, 6), seen=True).ray_origin is None
+
+
+@pytest.mark.parametrize("specification", [*METHODS, "pervertex:tolerance=0.5", "pervertex:bounces=2"])
+def test_a_session_that_is_dropped_leaves_the_device_at_once(specification: str) -> None:
+    scene, _ = open_scene("facing-mirrors")
+    view = View(scene, scene.camera, SIZE)
+    method, options = parse(specification)
+    session = method.open(view, options)
+    session.draw(view.camera)
+    session.frame(seen=True)
+    kept = weakref.ref(session.texture), weakref.ref(session._stage.buffers.vertices)
+    gc.disable()
+    try:
+        del session
+        assert [each() for each in kept] == [None, None], "it waits for the collector of cycles"
+    finally:
+        gc.enable()

@@ -8,9 +8,9 @@ here. Deviation: maps are as fine as the picture that they fill.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from functools import cache
+from functools import cache, partial
 
 import numpy as np
 import wgpu
@@ -130,14 +130,6 @@ class PerVertexDrawing:
             self._mender = Mender(stage, world.caster)
             self._errors = make_texture(stage.view.size, ERROR_FORMAT)
             self._errors_view = self._errors.create_view()
-        plan = PlanOptions(options.projective, options.align, self._mender is not None, options.start == "vertices")
-        self._pictures = Pictures(
-            world,
-            bodies,
-            self._levels,
-            PictureOptions(plan, options.field, options.wide, options.resolution),
-            self._draw_in_map,
-        )
         self._picture: Picture | None = None
         self._camera: Camera | None = None
         self._marks = Marks(bodies, options.overlay, options.antialias) if options.overlay != "none" else None
@@ -164,6 +156,15 @@ class PerVertexDrawing:
             )
 
         self._pipeline = pipeline
+        plan = PlanOptions(options.projective, options.align, self._mender is not None, options.start == "vertices")
+        self._pictures = Pictures(
+            world,
+            bodies,
+            self._levels,
+            PictureOptions(plan, options.field, options.wide, options.resolution),
+            # Not a method of this drawing: it would keep itself, and all that it has on the device, alive.
+            partial(_draw_in_map, pipeline),
+        )
 
     @property
     def replaced(self) -> tuple[int, ...]:
@@ -217,7 +218,7 @@ class PerVertexDrawing:
         errors = replace(target, textures=(self._errors,), attachments=(self._errors_view,))
         render_pass = begin_pass(encoder, errors, keep_depth=True)
         bind_scene(render_pass, self._stage.buffers, self._stage.projection)
-        self._draw(self._picture, "error", render_pass)
+        self._draw("error", render_pass)
         render_pass.end()
         submit(encoder)
         self._mender.trace(doubtful_tiles(read_texture(self._errors), self._options.tolerance), camera, shift)
@@ -230,30 +231,19 @@ class PerVertexDrawing:
 
     def draw_color(self, render_pass: wgpu.GPURenderPassEncoder) -> None:
         """Step 4: the mirrors and lenses, with their maps."""
-        self._draw(self._picture, "inconsistency" if self._options.overlay == "inconsistency" else "color", render_pass)
+        self._draw("inconsistency" if self._options.overlay == "inconsistency" else "color", render_pass)
         if self._marks is not None:
             self._marks.draw(self._picture, render_pass)
 
     def draw_seen(self, render_pass: wgpu.GPURenderPassEncoder) -> None:
         """The mirrors' and lenses' seen buffers."""
-        self._draw(self._picture, "seen", render_pass)
+        self._draw("seen", render_pass)
         if self._mender is not None:
             self._mender.draw_seen(render_pass)
 
-    def _draw(self, picture: Picture | None, output: str, render_pass: wgpu.GPURenderPassEncoder) -> None:
-        if picture is None:
-            return
-        drawn = None
-        for draw in sorted(picture.draws, key=lambda draw: (draw.bends, draw.sides, draw.cube)):
-            pipeline = self._pipeline(draw.bends, draw.sides, draw.cube, output)
-            if pipeline is not drawn:
-                render_pass.set_pipeline(pipeline)
-                drawn = pipeline
-            picture.level.select(render_pass, draw.number)
-            render_pass.draw(3 * draw.count, 1, 3 * draw.first)
-
-    def _draw_in_map(self, picture: Picture, kind: MapKind, render_pass: wgpu.GPURenderPassEncoder) -> None:
-        self._draw(picture, IN_MAPS[kind], render_pass)
+    def _draw(self, output: str, render_pass: wgpu.GPURenderPassEncoder) -> None:
+        if self._picture is not None:
+            _draw(self._pipeline, self._picture, output, render_pass)
 
     def _draw_balls(self, kind: MapKind, render_pass: wgpu.GPURenderPassEncoder) -> None:
         if kind == MapKind.COLOR and self._marks is not None:
@@ -266,6 +256,25 @@ class PerVertexDrawing:
     def rays(self) -> None:
         """There is no ray for a pixel between vertices."""
         return None
+
+
+Pipelines = Callable[[bool, int, bool, str], wgpu.GPURenderPipeline]
+"""Of a patch: whether it bends light, its sides, whether its map is a cube, and the output."""
+
+
+def _draw(pipeline: Pipelines, picture: Picture, output: str, render_pass: wgpu.GPURenderPassEncoder) -> None:
+    drawn = None
+    for draw in sorted(picture.draws, key=lambda draw: (draw.bends, draw.sides, draw.cube)):
+        chosen = pipeline(draw.bends, draw.sides, draw.cube, output)
+        if chosen is not drawn:
+            render_pass.set_pipeline(chosen)
+            drawn = chosen
+        picture.level.select(render_pass, draw.number)
+        render_pass.draw(3 * draw.count, 1, 3 * draw.first)
+
+
+def _draw_in_map(pipeline: Pipelines, picture: Picture, kind: MapKind, render_pass: wgpu.GPURenderPassEncoder) -> None:
+    _draw(pipeline, picture, IN_MAPS[kind], render_pass)
 
 
 def open_session(view: View, options: Options) -> Session:

@@ -69,7 +69,7 @@ class Viewer:
         self._canvas, self._later = canvas, later
         self._saving: Saving | None = None
         self._progress: Progress | None = None
-        self._surface = self._new_surface()
+        self._surface = Surface(self._canvas)
         canvas.add_event_handler(
             self._on_pointer, "pointer_down", "pointer_move", "pointer_up", "wheel", "double_click"
         )
@@ -132,11 +132,6 @@ class Viewer:
         self._looking = Looking()
         self._changed_at = 0.0
 
-    def _new_surface(self) -> Surface:
-        surface = Surface(self._canvas)
-        surface.imgui.set_gui(self._draw_panel)
-        return surface
-
     def _on_any(self, event: dict[str, Any]) -> None:
         self.refresh()
         self._surface.take(event)
@@ -192,7 +187,7 @@ class Viewer:
         # To ask a window for its texture on a lost device would end the process.
         self._recover(device_lost())
         # Each for itself: whatever fails, the panel is there to say so.
-        for step in (self._open_asked, self._advance, self._mark, self._paint):
+        for step in (self._open_asked, self._show_panel, self._advance, self._mark, self._paint):
             try:
                 step()
             except wgpu.DrawCancelled:
@@ -219,7 +214,7 @@ class Viewer:
             self._let_go()
             forget_device()
             # Closed last: where there is no other device, events go on to reach the old one.
-            self._surface, old = self._new_surface(), self._surface
+            self._surface, old = Surface(self._canvas), self._surface
             old.close()
             self.message = "the graphics device was lost; this is drawn with a new one"
 
@@ -251,7 +246,6 @@ class Viewer:
         clip = camera_projection(shown_camera(self.state), (max(pixels[2], 1), max(pixels[3], 1))).clip
         ratio = self._canvas.get_pixel_ratio()
         self._surface.draw(pixels, self._showing.halves, self.state.divider, clip, ratio)
-        self._surface.imgui.render()
 
     def _mark(self) -> None:
         """Put into space what is to be drawn there, where that has changed."""
@@ -266,6 +260,9 @@ class Viewer:
             # Should the new ones fail, the old ones must not stay.
             self._surface.mark(NO_MARKS)
             self._surface.mark(space_marks(self._space, self.state, looking, size, inspection))
+
+    def _show_panel(self) -> None:
+        self._surface.panel(self._draw_panel)
 
     def _draw_panel(self) -> None:
         self._drawn = draw_panel(self.state, self._facts())

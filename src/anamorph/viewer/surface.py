@@ -37,6 +37,7 @@ class Painter:
         divider: float,
         clip: np.ndarray,
         ratio: float,
+        over: Callable[[wgpu.GPURenderPassEncoder], None] | None = None,
     ) -> None:
         """Draw the picture into an area of `target`, all else black.
 
@@ -50,6 +51,8 @@ class Painter:
             From world space to the clip space of the picture.
         ratio : float
             Pixels for each logical one.
+        over : callable, optional
+            Draws what comes over all that.
         """
         encoder = get_device().create_command_encoder()
         attachment = {
@@ -62,6 +65,8 @@ class Painter:
         self._composer.draw(render_pass, halves, area, divider)
         if min(area[2:]) > 0:
             self.lines.draw(render_pass, clip, area[2:], ratio)
+        if over is not None:
+            over(render_pass)
         render_pass.end()
         get_device().queue.submit([encoder.finish()])
 
@@ -113,14 +118,34 @@ class Surface:
         for handler in self._handlers.by_type.get(event["event_type"], ()):
             handler(dict(event))
 
+    def panel(self, show: Callable[[], None]) -> None:
+        """Have `show` call imgui for a frame, which the next `draw` draws.
+
+        The renderer's own `render` does both at once. Apart, what a user does on the panel is in the picture that is
+        drawn after it, and not in the next.
+        """
+        imgui.set_current_context(self.imgui.imgui_context)
+        io, ratio = self.imgui.backend.io, self._context.pixel_ratio
+        io.display_framebuffer_scale = (ratio, ratio)
+        io.display_size = self._context.logical_size
+        imgui.new_frame()
+        try:
+            show()
+        finally:
+            imgui.render()
+
     def mark(self, marks: Marks) -> None:
         """Replace what is drawn into space."""
         self._marks = marks
         self._painter.lines.upload(marks)
 
     def draw(self, area: Area, halves: tuple[Shown, ...], divider: float, clip: np.ndarray, ratio: float) -> None:
-        """Draw all but imgui: see `Painter.draw`."""
-        self._painter.draw(self._context.get_current_texture(), area, halves, divider, clip, ratio)
+        """Draw the picture, see `Painter.draw`, and the panel over it."""
+
+        def panel(render_pass: wgpu.GPURenderPassEncoder) -> None:
+            self.imgui.backend.render(imgui.get_draw_data(), render_pass)
+
+        self._painter.draw(self._context.get_current_texture(), area, halves, divider, clip, ratio, panel)
 
     def picture(
         self, size: tuple[int, int], halves: tuple[Shown, ...], divider: float, clip: np.ndarray, ratio: float

@@ -11,6 +11,8 @@ import random
 import sys
 import tempfile
 import time
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -54,62 +56,81 @@ WATCH = """() => {
 """Notes when a picture arrives whose middle differs from that of the one before."""
 
 
+CIRCLE = """([x, y, milliseconds]) => new Promise((done) => {
+  window.arrivals = []
+  const began = performance.now()
+  const step = () => {
+    const passed = performance.now() - began
+    if (passed > milliseconds) {
+      done(window.arrivals)
+      return
+    }
+    const angle = passed / 400
+    const place = { clientX: x + 90 * Math.sin(angle), clientY: y + 30 * Math.sin(1.3 * angle), buttons: 1 }
+    const move = new PointerEvent('pointermove', { ...place, pointerId: 1, bubbles: true })
+    document.querySelector('img').dispatchEvent(move)
+    setTimeout(step, 16)
+  }
+  step()
+})"""
+"""Moves the held pointer about: from within the page, as a mouse would without another program's share of the cores."""
+
+
 def main() -> None:
     """Measure, and print what came of it."""
     parser = argparse.ArgumentParser(prog="./run bench viewer", description=__doc__.splitlines()[0])
-    parser.add_argument("--scene", default="car-mirror")
+    parser.add_argument("--scene", default="car-mirror", help="a built-in scene with a part 'mirror' (car-mirror)")
     parser.add_argument("--size", default="800x600", help="of the picture without a panel (800x600)")
     parser.add_argument("--minutes", type=float, default=0.0, help="of scripted use, watching memory and log (none)")
     arguments = parser.parse_args()
     width, height = map(int, arguments.size.split("x"))
-    with (
-        tempfile.TemporaryDirectory() as folder,
-        served(Path(folder), arguments.scene) as viewer,
-        sync_playwright() as playwright,
-    ):
-        # A line below the picture belongs to the status.
-        viewport = {"width": width, "height": height + 24}
-        with chromium(playwright) as browser, tab_of(browser, viewer, viewport=viewport) as tab:
-            tab.page.evaluate(WATCH)
-            if arguments.minutes:
+    with tempfile.TemporaryDirectory() as folder, sync_playwright() as playwright, chromium(playwright) as browser:
+        if arguments.minutes:
+            with shown(browser, Path(folder), arguments.scene, (1280, 720)) as (viewer, tab):
                 use(tab, viewer, arguments.minutes)
-            else:
-                measure_rate(tab, (width, height))
-                measure_delay(tab)
+            return
+        for resolution, what in ((0.0, "as the viewer likes"), (1.0, "at full resolution")):
+            view = Path(folder) / "view.toml"
+            view.write_text(f'builtin = "{arguments.scene}"\n[view]\npanel = false\nresolution = {resolution}\n')
+            # A line below the picture belongs to the status.
+            with shown(browser, Path(folder), str(view), (width, height + 24)) as (_, tab):
+                measure_rate(tab, what)
+        with shown(browser, Path(folder), arguments.scene, (1076, 624)) as (_, tab):
+            measure_delay(tab)
+
+
+@contextmanager
+def shown(browser: Any, folder: Path, scene: str, size: tuple[int, int]) -> Iterator[tuple[Served, Tab]]:
+    """A viewer and the tab that shows it; what it has said in its log in the end."""
+    viewport = {"width": size[0], "height": size[1]}
+    with served(folder, scene) as viewer:
+        with tab_of(browser, viewer, viewport=viewport) as tab:
+            tab.page.evaluate(WATCH)
+            yield viewer, tab
         code, errors = viewer.interrupt()
-        print(f"ended with code {code}; lines in the log: {len(errors.splitlines())}")
-        print(errors, end="")
+        if code or errors or tab.complaints:
+            print(f"ended with code {code}, having said:", errors, *tab.complaints, sep="\n")
 
 
-def measure_rate(tab: Tab, size: tuple[int, int], seconds: float = 10.0) -> None:
+def measure_rate(tab: Tab, what: str, seconds: float = 10.0) -> None:
     """Pictures a second that arrive, each other than the one before, while the eye moves all the time."""
-    tab.key("Tab")
-    width, height = size
     tab.wait_until(lambda report: report["at_rest"], "rest")
-    tab.page.mouse.move(width / 2, height / 2)
+    size = tab.page.viewport_size
+    x, y = size["width"] / 2.0, size["height"] / 2.0
+    tab.page.mouse.move(x, y)
     tab.page.mouse.down()
-    started, step = time.monotonic(), 0
-    tab.page.evaluate("window.arrivals = []")
-    pictures = []
-    while time.monotonic() - started < seconds:
-        angle = step / 25.0
-        tab.page.mouse.move(width / 2 + 90 * np.sin(angle), height / 2 + 30 * np.sin(1.3 * angle))
-        step += 1
-        if step % 40 == 0:
-            pictures.append(tuple(tab.report()["picture"]))
-    arrivals = np.array(tab.page.evaluate("window.arrivals"))
+    arrivals = np.array(tab.page.evaluate(CIRCLE, [x, y, 1000.0 * seconds]))
+    drawn = tab.report()["picture"]
     tab.page.mouse.up()
     gaps = np.diff(arrivals[arrivals > arrivals[0] + 1000.0])
     print(
-        f"eye moving: {1000.0 / gaps.mean():.1f} pictures a second; between two {np.median(gaps):.0f} ms (median), "
-        f"{np.percentile(gaps, 95):.0f} ms (95th percentile); sizes {sorted(set(pictures))}"
+        f"eye moving, {what}: {1000.0 / gaps.mean():.1f} pictures a second; between two {np.median(gaps):.0f} ms "
+        f"(median), {np.percentile(gaps, 95):.0f} ms (95th percentile); last drawn at {drawn[0]}x{drawn[1]}"
     )
-    tab.key("Tab")
 
 
 def measure_delay(tab: Tab, times: int = 20) -> None:
     """From the pointer's move on a slider to the first picture that shows it."""
-    tab.page.set_viewport_size({"width": 1076, "height": 624})
     delays = []
     shown = tab.wait_until(lambda report: "mirror/swivel" in report["rectangles"], "the panel")
     left, top, right, bottom = shown["rectangles"]["mirror/swivel"]

@@ -75,6 +75,31 @@ def test_a_drag_moves_the_eye_and_a_click_does_not(hand: Hand) -> None:
     assert alike(picture_of(hand.settle(), hand), before)
 
 
+def test_clicks_that_come_all_at_once_are_all_taken_in(hand: Hand) -> None:
+    hand.settle()
+    for layer in ("status", "error", "picture", "status", "error"):
+        x, y = hand.widget(f"first/layer/{layer}")
+        for kind in ("pointer_move", "pointer_down", "pointer_up"):
+            hand.canvas.submit_event({"event_type": kind, "x": x, "y": y, "button": 1, "buttons": (), "modifiers": ()})
+    hand.canvas._process_events()
+    hand.draw()
+    asked = hand.viewer._settling
+    hand.draw(asked)
+    assert asked >= 10 and hand.viewer.state.first.layer is Layer.ERROR
+
+
+def test_the_eye_goes_back_to_where_a_saved_view_has_it(hand: Hand, tmp_path: Path) -> None:
+    hand.drag(hand.place(0.6, 0.6), hand.place(0.7, 0.6))
+    hand.key("s", "Control")
+    hand.settle(lambda report: (tmp_path / "flat-mirror-1.toml").exists())
+    saved = Hand(start(tmp_path / "flat-mirror-1.toml"), (560, 900))
+    saved.drag(saved.place(0.5, 0.5), saved.place(0.6, 0.6))
+    assert saved.viewer.state.camera != hand.viewer.state.camera
+    saved.click(*saved.widget("eye/reset"))
+    assert saved.viewer.state.camera == hand.viewer.state.camera
+    saved.close()
+
+
 def test_a_press_on_the_panel_is_the_panels_alone(hand: Hand) -> None:
     hand.settle()
     camera = hand.viewer.state.camera

@@ -39,6 +39,9 @@ from anamorph.viewer.tasks import Shot, saving_of
 SETTLING = 3
 """Frames after the last event: imgui needs them to show what it brought about."""
 
+MOST_SETTLING = 60
+"""However many events have come at once."""
+
 REST_DELAY = 0.15
 """Seconds without a change after which the picture is refined."""
 
@@ -77,6 +80,7 @@ class Viewer:
         canvas.add_event_handler(self._on_any, "key_up", "char", "resize", "pointer_leave")
         canvas.add_event_handler(self._on_close, "close")
         self.frames = 0
+        self._settling = SETTLING
         self._pressed_at = 0.0
         self._closed = False
         self._begin(start, start.state)
@@ -110,7 +114,7 @@ class Viewer:
 
     def refresh(self) -> None:
         """Draw again soon, because something may have changed."""
-        self._settling = SETTLING
+        self._settling = max(self._settling, SETTLING)
         self._canvas.request_draw()
 
     def report(self) -> dict[str, Any]:
@@ -133,21 +137,26 @@ class Viewer:
         self._changed_at = 0.0
 
     def _on_any(self, event: dict[str, Any]) -> None:
+        self._take(event)
+
+    def _take(self, event: dict[str, Any]) -> None:
+        """Have imgui see an event, and give it frames: of presses and releases it takes in one a frame."""
         self.refresh()
+        if event["event_type"] != "pointer_move":
+            self._settling = min(self._settling + 1, MOST_SETTLING)
         self._surface.take(event)
 
     def _on_close(self, event: dict[str, Any]) -> None:
         self.close()
 
     def _on_pointer(self, event: dict[str, Any]) -> None:
-        self.refresh()
         if event["event_type"] in ("pointer_down", "pointer_up"):
             # Of a release too: a page that takes over begins with one, and every page has a clock of its own.
             self._pressed_at = event.get("time_stamp", 0.0)
         elif event.get("time_stamp", 0.0) < self._pressed_at and event["event_type"] == "pointer_move":
             # A page holds moves back for a while, and sends presses at once.
             return
-        self._surface.take(event)
+        self._take(event)
         follows = event["event_type"] in ("pointer_move", "pointer_up")
         covered = self._drawn.covered if self._drawn else ()
         if not follows and any(inside(event["x"], event["y"], area) for area in covered):
@@ -159,8 +168,7 @@ class Viewer:
         self._canvas.set_cursor(cursor(within, self.state, size, self._grip))
 
     def _on_key(self, event: dict[str, Any]) -> None:
-        self.refresh()
-        self._surface.take(event)
+        self._take(event)
         if self._drawn is not None and self._drawn.typing:
             return
         self.state, requests = press(event, self.state, self._home)
@@ -337,6 +345,7 @@ class Viewer:
         width, height = self._canvas.get_logical_size()
         return Facts(
             scene=self.start.opened.scene,
+            home=self.start.state.camera,
             size=(round(width), round(height)),
             picture=showing.picture,
             full=(max(width_height[0], 0), max(width_height[1], 0)),

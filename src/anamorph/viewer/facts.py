@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from enum import StrEnum
 
 from anamorph.measure.errors import Statistics
+from anamorph.scene.camera import Camera
 from anamorph.scene.model import Scene
 
 Vector = tuple[float, float, float]
@@ -120,6 +121,8 @@ class Facts:
     message : str
         What went wrong, or has been done; may be empty.
     progress : Progress or None
+    home : Camera or None
+        The eye that a reset returns to; None for the scene's own.
     """
 
     scene: Scene
@@ -135,3 +138,4 @@ class Facts:
     inspection: Inspection | None = None
     message: str = ""
     progress: Progress | None = None
+    home: Camera | None = None

@@ -12,8 +12,8 @@ from anamorph.viewer import theme
 from anamorph.viewer.sheet import Sheet, field_width, sign, text_width, tip, wrapped
 from anamorph.viewer.wording import decimals, number_text
 
-MARK = 2.0
-"""Width of the mark at a slider's value."""
+MARK, TICK = 2.0, 3.0
+"""Width of the mark at a slider's value, and its height at either edge."""
 
 
 @dataclass(frozen=True)
@@ -172,14 +172,15 @@ def _share(value: float, low: float, high: float, logarithmic: bool) -> float:
 
 
 def _fill(start: float, share: float) -> None:
-    """Colour the last item from nought up to the value, and mark the value."""
+    """Colour the last item from nought up to the value, and mark the value above and below the words."""
     low, high = imgui.get_item_rect_min(), imgui.get_item_rect_max()
     color = theme.FILL_UNDER if imgui.is_item_hovered() or imgui.is_item_active() else theme.FILL
     across, lines = high.x - low.x, imgui.get_window_draw_list()
     left, right = (low.x + end * across for end in sorted((start, share)))
     lines.add_rect_filled((left, low.y), (right, high.y), imgui.get_color_u32(color))
     x = low.x + share * (across - MARK)
-    lines.add_rect_filled((x, low.y), (x + MARK, high.y), imgui.get_color_u32(theme.ACCENT))
+    for top, bottom in ((low.y, low.y + TICK), (high.y - TICK, high.y)):
+        lines.add_rect_filled((x, top), (x + MARK, bottom), imgui.get_color_u32(theme.ACCENT))
 
 
 def _words(label: str, said: str, room: float = 0.0) -> None:

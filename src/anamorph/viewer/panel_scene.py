@@ -52,7 +52,7 @@ def eye_section(sheet: Sheet, state: State, facts: Facts) -> State:
     """Where the eye is, which of the two looks, and whether somebody else looks at it."""
     if not section(sheet, "section/eye", "Eye"):
         return state
-    camera, home = state.camera, facts.scene.camera
+    camera, home = state.camera, facts.home or facts.scene.camera
     values = (*camera.position, camera.field_of_view)
     for control, was in zip(eye_controls(camera, facts.scene), values, strict=True):
         new = _field(sheet, control, was)

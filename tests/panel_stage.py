@@ -12,9 +12,9 @@ from wgpu.utils.imgui import ImguiRenderer
 
 from anamorph.gpu.device import get_device
 from anamorph.viewer.facts import Facts, Rectangle, Request
-from anamorph.viewer.panel import Drawn, draw_panel
+from anamorph.viewer.panel.panel import Drawn, draw_panel
+from anamorph.viewer.panel.theme import set_theme
 from anamorph.viewer.state import State
-from anamorph.viewer.theme import set_theme
 
 
 class Stage:

@@ -24,7 +24,7 @@ from anamorph.methods import METHODS
 from anamorph.projection import camera_projection
 from anamorph.scene import builtin
 from anamorph.scene.camera import Camera
-from anamorph.viewer import backends
+from anamorph.viewer.backends import choice as backends
 from anamorph.viewer.starting import Start
 
 ROOT = Path(__file__).resolve().parents[1]

@@ -16,11 +16,12 @@ from anamorph.measure.status import STATUS_NAMES
 from anamorph.methods import METHODS
 from anamorph.methods.options import option
 from anamorph.methods.protocol import Method, Session
-from anamorph.viewer import gestures, panel_report, shortcuts
+from anamorph.viewer import gestures, shortcuts
 from anamorph.viewer.facts import Facts
 from anamorph.viewer.fluency import SCALES, SLOWEST
 from anamorph.viewer.measured import ERROR_MARKS, STATUS_COLORS, scale_ticks
-from anamorph.viewer.panel_methods import DRAWINGS, UNITS
+from anamorph.viewer.panel.methods import DRAWINGS, UNITS
+from anamorph.viewer.panel.report import SAVED
 from anamorph.viewer.reports import report
 from anamorph.viewer.starting import start
 from anamorph.viewer.state import Half, State
@@ -60,7 +61,7 @@ def test_every_mark_status_and_drawing_is_explained():
 
 
 def test_what_can_be_saved_is_told():
-    assert [row[0] for row in table("what")] == [title for _, title, _ in panel_report.SAVED]
+    assert [row[0] for row in table("what")] == [title for _, title, _ in SAVED]
     assert f"swings {SWING:g} degrees" in PROSE
 
 
@@ -72,8 +73,11 @@ def test_numbers_of_fluency_are_the_codes():
 
 def test_every_module_has_its_place():
     rows = GUIDE.split("| modules of ")[1].split("\n\n")[0].splitlines()[2:]
-    told = [name for row in rows for name in re.findall(r"`(\w+)`", row)]
-    there = [path.stem for path in (ROOT / "src" / "anamorph" / "viewer").glob("*.py") if path.stem != "__init__"]
+    told = [name for row in rows for name in re.findall(r"`([\w/]+)`", row)]
+    room = ROOT / "src" / "anamorph" / "viewer"
+    there = [
+        path.relative_to(room).with_suffix("").as_posix() for path in room.rglob("*.py") if path.stem != "__init__"
+    ]
     assert sorted(told) == sorted(there)
 
 

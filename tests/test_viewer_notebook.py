@@ -11,7 +11,7 @@ import pytest
 from PIL import Image
 
 import anamorph as an
-from anamorph.viewer import backends
+from anamorph.viewer.backends import choice as backends
 
 pytest.importorskip("anywidget")
 

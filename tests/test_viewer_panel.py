@@ -15,17 +15,17 @@ from anamorph.methods import METHODS, parse
 from anamorph.scene import builtin
 from anamorph.scene.camera import Camera
 from anamorph.scene.model import Glass, Scene
-from anamorph.viewer import panel_report
 from anamorph.viewer.controls import scene_controls
 from anamorph.viewer.facts import Facts, Figures, Inspection, Progress, Request, Stop
 from anamorph.viewer.home import first_observer
 from anamorph.viewer.layout import picture_area
-from anamorph.viewer.panel_methods import DRAWINGS, LAYERS, RESOLUTIONS, SAMPLES, UNITS, specification
-from anamorph.viewer.panel_report import SAVED
-from anamorph.viewer.panel_scene import SIDES
+from anamorph.viewer.panel import report
+from anamorph.viewer.panel.methods import DRAWINGS, LAYERS, RESOLUTIONS, SAMPLES, UNITS, specification
+from anamorph.viewer.panel.report import SAVED
+from anamorph.viewer.panel.scene import SIDES
+from anamorph.viewer.panel.wording import decimals, figure, number_text
 from anamorph.viewer.shortcuts import SHORTCUTS
 from anamorph.viewer.state import Drawing, EyeSide, Half, Layer, State
-from anamorph.viewer.wording import decimals, figure, number_text
 
 SIZE = (800, 600)
 SIZES = [((640, 480), 1.0), ((800, 600), 2.0), ((1280, 720), 1.0), ((1920, 1080), 1.0)]
@@ -367,12 +367,12 @@ def test_numbers_have_real_minus_signs_and_nought_has_none() -> None:
 
 def test_the_panel_says_how_errors_come_to_be_measured(opened, monkeypatch) -> None:
     said: list[str] = []
-    monkeypatch.setattr(panel_report, "caption", said.append)
+    monkeypatch.setattr(report, "caption", said.append)
     opened()
-    assert panel_report.UNASKED in said
+    assert report.UNASKED in said
     said.clear()
     opened(first=Half("pervertex", Layer.ERROR))
-    assert panel_report.UNASKED not in said and any("nothing moves" in text for text in said)
+    assert report.UNASKED not in said and any("nothing moves" in text for text in said)
     said.clear()
     opened(picked=(0.5, 0.5))
-    assert panel_report.UNASKED not in said
+    assert report.UNASKED not in said

@@ -15,7 +15,7 @@ from browser import Served, served
 from websockets.asyncio.client import connect
 from websockets.exceptions import InvalidStatus
 
-from anamorph.viewer.gate import STREAM, Gate
+from anamorph.viewer.backends.gate import STREAM, Gate
 
 PORT = 8123
 HOST = f"127.0.0.1:{PORT}"

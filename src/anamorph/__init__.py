@@ -38,7 +38,7 @@ if TYPE_CHECKING:
     from anamorph.scene.surfaces import BezierPatch as BezierPatch
     from anamorph.scene.surfaces import Plane as Plane
     from anamorph.scene.surfaces import Sphere as Sphere
-    from anamorph.viewer.backends import view as view
+    from anamorph.viewer.backends.choice import view as view
 
 _HOMES = {
     "anamorph.errors": ("AnamorphError",),
@@ -57,7 +57,7 @@ _HOMES = {
     "anamorph.scene.opening": ("open_scene",),
     "anamorph.scene.sag": ("EvenAsphere", "Toroid"),
     "anamorph.scene.surfaces": ("BezierPatch", "Plane", "Sphere"),
-    "anamorph.viewer.backends": ("view",),
+    "anamorph.viewer.backends.choice": ("view",),
 }  # fmt: skip
 _HOME_OF = {name: home for home, names in _HOMES.items() for name in names}
 

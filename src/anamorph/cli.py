@@ -143,7 +143,7 @@ def _compare(arguments: argparse.Namespace) -> None:
 def _view(arguments: argparse.Namespace) -> None:
     from anamorph.methods import parse
     from anamorph.scene.viewfile import Source
-    from anamorph.viewer.backends import show
+    from anamorph.viewer.backends.choice import show
     from anamorph.viewer.starting import start
 
     if arguments.method:

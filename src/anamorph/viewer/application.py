@@ -25,7 +25,7 @@ from anamorph.viewer.home import Home
 from anamorph.viewer.layout import in_pixels, inside, picture_area
 from anamorph.viewer.looking import Looking
 from anamorph.viewer.marks import NO_MARKS
-from anamorph.viewer.panel import Drawn, draw_panel
+from anamorph.viewer.panel.panel import Drawn, draw_panel
 from anamorph.viewer.reports import report
 from anamorph.viewer.saving import Saving
 from anamorph.viewer.shortcuts import press

@@ -6,7 +6,7 @@ from dataclasses import asdict
 from typing import Any
 
 from anamorph.viewer.facts import Facts
-from anamorph.viewer.panel import Drawn
+from anamorph.viewer.panel.panel import Drawn
 from anamorph.viewer.state import State
 
 

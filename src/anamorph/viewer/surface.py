@@ -16,7 +16,7 @@ from anamorph.gpu.targets import PIXEL_FORMAT, make_texture, read_texture
 from anamorph.viewer.compose import Composer, Shown
 from anamorph.viewer.lines import LineRenderer
 from anamorph.viewer.marks import Marks
-from anamorph.viewer.theme import set_theme
+from anamorph.viewer.panel.theme import set_theme
 
 Area = tuple[int, int, int, int]
 """Left, top, width and height, in pixels."""

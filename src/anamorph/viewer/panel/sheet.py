@@ -13,8 +13,8 @@ from dataclasses import dataclass, field
 
 from imgui_bundle import imgui
 
-from anamorph.viewer import theme
 from anamorph.viewer.facts import Rectangle, Request
+from anamorph.viewer.panel import theme
 
 TIP_WIDTH = 260.0
 

@@ -7,10 +7,10 @@ from itertools import groupby
 
 from imgui_bundle import imgui
 
-from anamorph.viewer import theme
 from anamorph.viewer.gestures import GESTURES
 from anamorph.viewer.layout import STATUS_HEIGHT
-from anamorph.viewer.sheet import Sheet, available, caption, sign, text_width, to_column, wrapped
+from anamorph.viewer.panel import theme
+from anamorph.viewer.panel.sheet import Sheet, available, caption, sign, text_width, to_column, wrapped
 from anamorph.viewer.shortcuts import SHORTCUTS
 from anamorph.viewer.state import State
 

@@ -11,12 +11,12 @@ from itertools import pairwise
 from imgui_bundle import imgui
 
 from anamorph.measure.heatmap import VIRIDIS
-from anamorph.viewer import theme
 from anamorph.viewer.facts import Rectangle
 from anamorph.viewer.measured import ERROR_MARKS, STATUS_COLORS, Color, scale_ticks
-from anamorph.viewer.sheet import Sheet
+from anamorph.viewer.panel import theme
+from anamorph.viewer.panel.sheet import Sheet
+from anamorph.viewer.panel.wording import name_text
 from anamorph.viewer.state import Half, Layer, State
-from anamorph.viewer.wording import name_text
 
 HANDLE = (7.0, 22.0)
 """Half the width and half the height of the divider's handle."""

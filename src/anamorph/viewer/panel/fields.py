@@ -8,9 +8,9 @@ from dataclasses import dataclass
 
 from imgui_bundle import imgui
 
-from anamorph.viewer import theme
-from anamorph.viewer.sheet import Sheet, field_width, sign, text_width, tip, wrapped
-from anamorph.viewer.wording import decimals, number_text
+from anamorph.viewer.panel import theme
+from anamorph.viewer.panel.sheet import Sheet, field_width, sign, text_width, tip, wrapped
+from anamorph.viewer.panel.wording import decimals, number_text
 
 MARK, TICK = 2.0, 3.0
 """Width of the mark at a slider's value, and its height at either edge."""

@@ -9,11 +9,11 @@ import numpy as np
 from imgui_bundle import imgui
 
 from anamorph.measure.errors import Statistics
-from anamorph.viewer import theme
 from anamorph.viewer.facts import Facts, Figures, Inspection, Request
-from anamorph.viewer.sheet import Sheet, button, caption, field_width, row, section, wrapped
+from anamorph.viewer.panel import theme
+from anamorph.viewer.panel.sheet import Sheet, button, caption, field_width, row, section, wrapped
+from anamorph.viewer.panel.wording import NOT_MEASURED, figure, name_text, number_text, point_text, size_text
 from anamorph.viewer.state import Layer, State
-from anamorph.viewer.wording import NOT_MEASURED, figure, name_text, number_text, point_text, size_text
 
 SAVED = (
     (Request.SAVE_PICTURE, "Picture", "The picture as it is seen, without the panel"),

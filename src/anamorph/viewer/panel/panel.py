@@ -11,24 +11,24 @@ from dataclasses import dataclass, replace
 
 from imgui_bundle import imgui
 
-from anamorph.viewer import theme
 from anamorph.viewer.facts import Facts, Rectangle, Request
 from anamorph.viewer.layout import PANEL_WIDTH, STATUS_HEIGHT, picture_area
-from anamorph.viewer.legend import draw_divider, draw_legends
-from anamorph.viewer.notice import draw_notice
-from anamorph.viewer.panel_help import draw_help
-from anamorph.viewer.panel_methods import picture_section, quality_section, space_section
-from anamorph.viewer.panel_opening import opening_page, scene_button
-from anamorph.viewer.panel_report import (
+from anamorph.viewer.panel import theme
+from anamorph.viewer.panel.help import draw_help
+from anamorph.viewer.panel.legend import draw_divider, draw_legends
+from anamorph.viewer.panel.methods import picture_section, quality_section, space_section
+from anamorph.viewer.panel.notice import draw_notice
+from anamorph.viewer.panel.opening import opening_page, scene_button
+from anamorph.viewer.panel.report import (
     figures_section,
     inspection_section,
     save_section,
     timing_section,
 )
-from anamorph.viewer.panel_scene import eye_section, scene_section
-from anamorph.viewer.sheet import Sheet, available, button, sign, text_width, to_column
+from anamorph.viewer.panel.scene import eye_section, scene_section
+from anamorph.viewer.panel.sheet import Sheet, available, button, sign, text_width, to_column
+from anamorph.viewer.panel.wording import size_text
 from anamorph.viewer.state import EyeSide, State
-from anamorph.viewer.wording import size_text
 
 FIXED = (
     imgui.WindowFlags_.no_title_bar

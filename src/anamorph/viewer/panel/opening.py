@@ -7,9 +7,9 @@ from dataclasses import replace
 from imgui_bundle import imgui
 
 from anamorph.scene.builtin import SCENES
-from anamorph.viewer import theme
 from anamorph.viewer.facts import Facts
-from anamorph.viewer.sheet import Sheet, button, caption, field_width, shortened, tip
+from anamorph.viewer.panel import theme
+from anamorph.viewer.panel.sheet import Sheet, button, caption, field_width, shortened, tip
 from anamorph.viewer.state import State
 
 LONGEST_NAME = 300

@@ -19,7 +19,7 @@ from rendercanvas.http import HttpRenderCanvas, asgi, loop
 
 from anamorph.errors import AnamorphError
 from anamorph.viewer.application import Viewer
-from anamorph.viewer.gate import Content, Gate
+from anamorph.viewer.backends.gate import Content, Gate
 from anamorph.viewer.starting import Start
 
 MOST_PICTURES = 60

@@ -9,13 +9,13 @@ from typing import Any
 
 from anamorph.errors import AnamorphError
 from anamorph.methods import METHODS, Method, parse
-from anamorph.viewer import theme
 from anamorph.viewer.controls import OptionControl, option_controls
 from anamorph.viewer.facts import Facts
-from anamorph.viewer.fields import Choice, number, text, word
-from anamorph.viewer.sheet import Sheet, button, caption, checkbox, choice, fold, section, wrapped
+from anamorph.viewer.panel import theme
+from anamorph.viewer.panel.fields import Choice, number, text, word
+from anamorph.viewer.panel.sheet import Sheet, button, caption, checkbox, choice, fold, section, wrapped
+from anamorph.viewer.panel.wording import size_text
 from anamorph.viewer.state import Drawing, Half, Layer, State
-from anamorph.viewer.wording import size_text
 
 TRUTH = "raytrace"
 

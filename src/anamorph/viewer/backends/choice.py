@@ -9,8 +9,8 @@ from typing import Any
 from anamorph.scene.camera import Camera
 from anamorph.scene.model import Scene
 from anamorph.scene.opening import open_scene
-from anamorph.viewer.desktop import SIZE, has_display, open_window
-from anamorph.viewer.notebook import in_notebook, make_widget
+from anamorph.viewer.backends.desktop import SIZE, has_display, open_window
+from anamorph.viewer.backends.notebook import in_notebook, make_widget
 from anamorph.viewer.starting import Start, start
 
 
@@ -30,7 +30,7 @@ def show(beginning: Start, backend: str = "auto", port: int = 0, size: tuple[int
     if backend == "desktop" or (backend == "auto" and has_display()):
         open_window(beginning, size)
     else:
-        from anamorph.viewer.browser import serve
+        from anamorph.viewer.backends.browser import serve
 
         serve(beginning, port, size or SIZE, _print_link)
 

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from imgui_bundle import imgui
 
-from anamorph.viewer import theme
 from anamorph.viewer.facts import Facts, Rectangle, Request
-from anamorph.viewer.sheet import Sheet, available, button, sign, to_column, wrapped
+from anamorph.viewer.panel import theme
+from anamorph.viewer.panel.sheet import Sheet, available, button, sign, to_column, wrapped
 
 WIDEST = 460.0
 LEGEND = 240.0

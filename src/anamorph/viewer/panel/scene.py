@@ -10,11 +10,11 @@ from anamorph.errors import AnamorphError
 from anamorph.scene.camera import Camera
 from anamorph.viewer.controls import Control, eye_controls, reading, scene_controls, with_eye
 from anamorph.viewer.facts import Facts
-from anamorph.viewer.fields import number
 from anamorph.viewer.home import first_observer
-from anamorph.viewer.sheet import Sheet, button, caption, checkbox, choice, fold, section
+from anamorph.viewer.panel.fields import number
+from anamorph.viewer.panel.sheet import Sheet, button, caption, checkbox, choice, fold, section
+from anamorph.viewer.panel.wording import number_text
 from anamorph.viewer.state import EyeSide, State
-from anamorph.viewer.wording import number_text
 
 SIDES = ((EyeSide.LEFT, "Left"), (EyeSide.MIDDLE, "Middle"), (EyeSide.RIGHT, "Right"))
 

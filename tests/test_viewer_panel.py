@@ -260,6 +260,13 @@ def test_nothing_overlaps_and_all_lies_in_the_canvas_or_the_scrolled_panel(opene
     assert stage.frames().shape[:2] == (int(size[1] * ratio), int(size[0] * ratio))
 
 
+def test_an_option_that_may_be_very_large_is_small_over_most_of_its_slider(opened) -> None:
+    stage = opened(first=Half("raytrace"))
+    stage.press("first/options")
+    stage.press("first/bounces", 0.75)
+    assert 20 < parse(stage.state.first.method)[1].bounces < 100
+
+
 @pytest.mark.parametrize("size", [size for size, _ in SIZES])
 def test_the_help_lists_every_key_within_the_canvas(opened, size) -> None:
     stage = opened(size, help=True)

@@ -33,6 +33,9 @@ DRAWINGS = (
 WIDE = 20.0
 """Options that may be larger than this move in coarser steps."""
 
+SPREAD = 50.0
+"""Options whose highest value is so many times the lowest have a logarithmic slider: small ones are used most."""
+
 UNIT_SIGNS = {"degrees": "°", "pixels": "px"}
 
 cached_options = lru_cache(maxsize=32)(option_controls)
@@ -149,5 +152,6 @@ def _option(sheet: Sheet, key: str, control: OptionControl, value: Any) -> Any:
         step=1.0 if whole else 0.5 if control.high is not None and control.high > WIDE else 0.01,
         unit=UNIT_SIGNS.get(control.unit, control.unit),
         summary=control.summary,
+        logarithmic=bool(control.low and control.high and control.high >= SPREAD * control.low > 0.0),
     )
     return round(new) if whole else new

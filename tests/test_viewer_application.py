@@ -268,6 +268,14 @@ def test_the_picture_is_saved_as_it_is_shown(hand: Hand, tmp_path: Path) -> None
     assert alike(saved, shown)
 
 
+def test_what_is_asked_for_while_something_is_saved_has_to_wait(hand: Hand, tmp_path: Path) -> None:
+    hand.key("p")
+    hand.key("s", "Control")
+    assert "wait" in hand.viewer.report()["message"]
+    hand.settle(lambda report: (tmp_path / "flat-mirror-1.png").exists())
+    assert [path.name for path in tmp_path.iterdir()] == ["flat-mirror-1.png"]
+
+
 def test_the_view_is_saved_and_opens_as_it_was(hand: Hand, tmp_path: Path) -> None:
     x, y = hand.widget("mirror/tilt")
     hand.drag((x, y), (x + 5.0, y))

@@ -309,7 +309,9 @@ class Viewer:
             elif request is Request.CANCEL:
                 self.message = "stopped" if self._saving is not None else self.message
                 self._stop_saving()
-            elif self._saving is None and self._scene.meshes:
+            elif self._saving is not None:
+                self.message = "something is being saved; wait for it, or cancel it"
+            elif self._scene.meshes:
                 size = self._pixels[2:]
                 self.message = ""
                 shot = Shot(self.start.opened, self._scene, self.state, size, self._showing, self._picture)

@@ -151,15 +151,17 @@ def measure_delay(tab: Tab, times: int = 20) -> None:
 
 
 def use(tab: Tab, viewer: Served, minutes: float) -> None:
-    """Do this and that, and watch what memory the viewer takes."""
+    """Do this and that, and tell every minute what memory the viewer takes, in the state in which it began."""
     chance = random.Random(1)
+    size = tab.page.viewport_size
     started, said = time.monotonic(), 0.0
     while (passed := time.monotonic() - started) < 60.0 * minutes:
         if passed >= said:
-            print(
-                f"{passed / 60.0:5.1f} min: {memory(viewer.process.pid):7.1f} MiB, {tab.report()['frames']} frames",
-                flush=True,
-            )
+            tab.page.set_viewport_size(size)
+            tab.key("Escape")
+            tab.key("Shift+R")
+            frames = tab.wait_until(lambda report: report["at_rest"], "rest")["frames"]
+            print(f"{passed / 60.0:5.1f} min: {memory(viewer.process.pid):7.1f} MiB, {frames} frames", flush=True)
             said += 60.0
         act(tab, chance)
 

@@ -63,7 +63,7 @@ class Gate:
         self._headers = {
             "Cache-Control": "no-store",
             "Content-Security-Policy": "default-src 'none'; script-src 'self'; style-src 'self'; "
-            f"img-src blob: data:; connect-src 'self' ws://127.0.0.1:{port} ws://localhost:{port}; "
+            f"img-src blob: data:; connect-src 'self' blob: ws://127.0.0.1:{port} ws://localhost:{port}; "
             "base-uri 'none'; form-action 'none'; frame-ancestors 'none'",
             "Cross-Origin-Opener-Policy": "same-origin",
             "Cross-Origin-Resource-Policy": "same-origin",

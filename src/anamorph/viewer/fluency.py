@@ -10,6 +10,9 @@ SCALES = (1.0, 0.75, 0.5, 0.35, 0.25)
 SLOWEST = 50.0
 """Milliseconds that the methods may take for a frame: with what comes to it, fifteen pictures a second stay fluid."""
 
+MOST_PICTURES = 60
+"""A second, that a canvas is asked for at most."""
+
 MARGIN = 0.75
 """The share of `SLOWEST` that a finer picture must be expected to take before it is tried."""
 

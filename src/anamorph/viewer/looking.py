@@ -8,9 +8,9 @@ from anamorph.scene.camera import Camera
 from anamorph.viewer.facts import Inspection
 from anamorph.viewer.inspection import inspect, trace_path
 from anamorph.viewer.measured import Measured
-from anamorph.viewer.showing import TRUTH, Showing
+from anamorph.viewer.showing import Showing
 from anamorph.viewer.space import Space
-from anamorph.viewer.state import State, looking_eye
+from anamorph.viewer.state import TRUTH, State, looking_eye
 
 Size = tuple[int, int]
 

@@ -17,10 +17,7 @@ from anamorph.viewer.compose import LayerTexture, Shown
 from anamorph.viewer.fluency import COARSEST, SCALES, Fluency, scaled
 from anamorph.viewer.measured import Measured, error_layer, measure_half, status_layer
 from anamorph.viewer.pictures import MethodPictures, Size
-from anamorph.viewer.state import Half, Layer, State, shown_camera
-
-TRUTH = "raytrace"
-"""The method that errors are measured against."""
+from anamorph.viewer.state import TRUTH, Half, Layer, State, shown_camera
 
 LONG = 4e3
 """Milliseconds that a picture at rest may be expected to take; on the way to a longer one, coarser ones are drawn, each

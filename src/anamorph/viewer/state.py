@@ -14,6 +14,9 @@ import numpy as np
 
 from anamorph.scene.camera import Camera
 
+TRUTH = "raytrace"
+"""The method that errors are measured against, and that the second half shows at first."""
+
 EYE_DISTANCE = 0.065
 """Between the two eyes, metres."""
 

@@ -18,12 +18,9 @@ from anamorph.scene.scenefile import camera_of
 from anamorph.scene.tables import Table
 from anamorph.scene.viewfile import Opened, eye_values
 from anamorph.viewer.controls import MOVES, SHAPES, TURNS
-from anamorph.viewer.state import Drawing, EyeSide, Half, Layer, State
+from anamorph.viewer.state import TRUTH, Drawing, EyeSide, Half, Layer, State
 
 UNITS = ("mrad", "px")
-SECOND = "raytrace"
-"""What the other half shows unless someone says otherwise: the truth."""
-
 MOST_RESOLUTION = 4.0
 FAR = (-np.inf, np.inf)
 
@@ -62,7 +59,7 @@ def state_of(opened: Opened) -> State:
     first = Half(opened.settings.method)
     parse(first.method)
     table = opened.settings.view
-    plain = State(opened.camera, first, Half(SECOND), values=values_of(opened.edits))
+    plain = State(opened.camera, first, Half(TRUTH), values=values_of(opened.edits))
     if table is None:
         return plain
     table.only(*view_of(plain), "observer", "picked")
@@ -104,7 +101,7 @@ def _millimetres(metres: float) -> float:
 
 
 def _method(table: Table) -> str:
-    method = table.text("second", SECOND)
+    method = table.text("second", TRUTH)
     try:
         parse(method)
     except AnamorphError as error:

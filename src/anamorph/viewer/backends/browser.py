@@ -20,10 +20,8 @@ from rendercanvas.http import HttpRenderCanvas, asgi, loop
 from anamorph.errors import AnamorphError
 from anamorph.viewer.application import Viewer
 from anamorph.viewer.backends.gate import Content, Gate
+from anamorph.viewer.fluency import MOST_PICTURES
 from anamorph.viewer.starting import Start
-
-MOST_PICTURES = 60
-"""A second."""
 
 LONGEST_MESSAGE = 65536
 """From the browser, in bytes: an event is a few hundred."""

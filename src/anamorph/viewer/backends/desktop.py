@@ -10,6 +10,7 @@ import warnings
 from contextlib import suppress
 
 from anamorph.errors import AnamorphError
+from anamorph.viewer.fluency import MOST_PICTURES
 from anamorph.viewer.starting import Start
 
 SIZE = (1280, 720)
@@ -17,9 +18,6 @@ SIZE = (1280, 720)
 
 TITLE_BAR = 48
 """Logical pixels of the screen's height that are kept for it."""
-
-MOST_PICTURES = 60
-"""A second."""
 
 
 def has_display() -> bool:

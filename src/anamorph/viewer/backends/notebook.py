@@ -6,10 +6,8 @@ import sys
 from typing import Any
 
 from anamorph.errors import AnamorphError
+from anamorph.viewer.fluency import MOST_PICTURES
 from anamorph.viewer.starting import Start
-
-MOST_PICTURES = 60
-"""A second."""
 
 
 def in_notebook() -> bool:

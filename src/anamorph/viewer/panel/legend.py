@@ -16,7 +16,7 @@ from anamorph.viewer.measured import ERROR_MARKS, STATUS_COLORS, Color, scale_ti
 from anamorph.viewer.panel import theme
 from anamorph.viewer.panel.sheet import Sheet
 from anamorph.viewer.panel.wording import name_text
-from anamorph.viewer.state import Half, Layer, State
+from anamorph.viewer.state import TRUTH, Half, Layer, State
 
 HANDLE = (7.0, 22.0)
 """Half the width and half the height of the divider's handle."""
@@ -67,7 +67,7 @@ def draw_legends(sheet: Sheet, state: State, free: Rectangle, area: Rectangle) -
 def half_caption(half: Half, state: State) -> str:
     """What a half shows, in words."""
     name, _, options = half.method.partition(":")
-    words = ["truth" if name == "raytrace" and not options else name]
+    words = ["truth" if name == TRUTH and not options else name]
     words += [each.replace("=", " ") for each in options.split(",") if each]
     words += [] if half.layer is Layer.PICTURE else [str(half.layer)]
     return ", ".join(words)

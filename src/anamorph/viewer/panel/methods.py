@@ -15,9 +15,7 @@ from anamorph.viewer.panel import theme
 from anamorph.viewer.panel.fields import Choice, number, text, word
 from anamorph.viewer.panel.sheet import Sheet, button, caption, checkbox, choice, fold, section, wrapped
 from anamorph.viewer.panel.wording import size_text
-from anamorph.viewer.state import Drawing, Half, Layer, State
-
-TRUTH = "raytrace"
+from anamorph.viewer.state import TRUTH, Drawing, Half, Layer, State
 
 LAYERS = ((Layer.PICTURE, "Picture"), (Layer.ERROR, "Error"), (Layer.STATUS, "Status"))
 UNITS = (("mrad", "mrad"), ("px", "pixels"))

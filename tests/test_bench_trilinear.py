@@ -49,7 +49,7 @@ def drawn(scene, rays, method="raytrace", size=SIZE):
     return session.frame(seen=True)
 
 
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=30)
 @given(
     quads=st.integers(1, 6),
     seed=st.integers(0, 2**31),

@@ -47,7 +47,7 @@ def part(mesh, faces, name):
     )
 
 
-@settings(deadline=None, max_examples=30)
+@settings(max_examples=30)
 @given(st.data())
 def test_the_parts_of_one_surface_are_one_body_in_any_order(data):
     """Strips of a mirror, and of another that stands apart, among matt meshes."""
@@ -158,7 +158,7 @@ def lens_scene(abbe=None):
 DIRECTIONS = st.floats(-1.2, 1.2).flatmap(lambda turn: st.tuples(st.just(turn), st.sampled_from([1.0, -1.0])))
 
 
-@settings(deadline=None, max_examples=25)
+@settings(max_examples=25)
 @given(DIRECTIONS, st.sampled_from([0.05, 0.5, 1e4]), st.sampled_from(["from", "towards", "parallel"]))
 def test_a_lens_is_seen_by_the_face_that_the_lines_of_sight_meet(direction, distance, kind):
     (body,) = bodies(lens_scene())

@@ -140,7 +140,7 @@ EDITS = {
 }  # fmt: skip
 
 
-@settings(deadline=None, max_examples=25)
+@settings(max_examples=25)
 @given(st.data(), st.sampled_from([("car-mirror", "mirror"), ("spectacles-plus", "lens")]))
 def test_what_is_set_is_what_a_scene_file_says_of_it(tmp_path_factory, data, of):
     name, part = of

@@ -117,7 +117,7 @@ corner_weights = st.lists(st.sampled_from([0.0, 1e-3, 0.2, 1.0]), min_size=3, ma
 
 
 @given(corner_weights, st.sampled_from(["ball", "dome"]))
-@settings(max_examples=20, deadline=None)
+@settings(max_examples=20)
 def test_every_direction_between_the_vertices_has_its_place_in_a_face_that_is_drawn(weights, kind):
     rays, faces, plan = PLANS[kind]
     corners = plan.lookups[0][np.searchsorted(plan.vertices, rays.faces[faces]), :3]
@@ -133,7 +133,7 @@ component = st.one_of(st.sampled_from([-1.0, -1e-9, 0.0, 1e-9, 1.0]), st.floats(
 
 
 @given(st.tuples(component, component, component).filter(lambda d: np.linalg.norm(d) > 0.1))
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 def test_projections_put_any_direction_where_similar_triangles_do(direction):
     _, _, plan = PLANS["ball"]
     way = np.array(direction)

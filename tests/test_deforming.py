@@ -44,7 +44,7 @@ def moved(points, normals, reach, time):
 directions = st.tuples(*[st.floats(-1, 1)] * 3).map(np.array).filter(lambda d: np.linalg.norm(d) > 0.1)
 
 
-@settings(max_examples=100, deadline=None)
+@settings(max_examples=100)
 @given(
     place=st.tuples(st.floats(-45, 45), st.floats(-1, 6), st.floats(-45, 45)).map(np.array),
     normal=directions,

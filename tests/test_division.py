@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from plans import planned
 from scenes import CAMERA, CENTER, SIZE, flat_mirror, scene_with, spherical_mirror
@@ -53,7 +53,6 @@ def mean_directions(rays):
     return np.array(means)
 
 
-@settings(deadline=None)
 @given(bundles(), st.sampled_from([10.0, 60.0, 100.0, 150.0]))
 def test_every_face_is_in_one_patch_and_every_patch_in_its_cone(drawn, degrees):
     generator, rays = drawn
@@ -71,7 +70,6 @@ def test_every_face_is_in_one_patch_and_every_patch_in_its_cone(drawn, degrees):
         assert widest <= 0.5 * degrees + 1.0 or (np.linalg.norm(means[patch], axis=1) < 0.9).any()
 
 
-@settings(deadline=None)
 @given(SEEDS, st.floats(1.0, 150.0))
 def test_a_bundle_within_the_cone_is_one_patch(seed, degrees):
     generator = np.random.default_rng(seed)
@@ -154,7 +152,6 @@ def test_a_face_is_seen_where_some_vertex_faces_the_eye(status, seen):
     assert (len(seen_faces(picture_mesh(inside, status), SIZE)) == 1) is seen
 
 
-@settings(deadline=None)
 @given(SEEDS, st.floats(0.01, 3.0))
 def test_no_face_is_lost_of_which_some_point_is_in_the_picture(seed, distance):
     generator = np.random.default_rng(seed)

@@ -66,7 +66,7 @@ def frame_of(*meshes: Mesh):
     return part_frame(meshes, lens_of(meshes))
 
 
-@settings(deadline=None, max_examples=40)
+@settings(max_examples=40)
 @given(st.sampled_from(KINDS), triples, places)
 def test_a_part_is_turned_about_its_middle_and_moved_along_its_own_axes(kind, turn, move):
     mesh = on(kind[0], flip=kind[1])
@@ -146,7 +146,7 @@ def test_axes_are_those_of_the_part_as_it_was_however_it_is_bent():
 curvatures = st.one_of(st.sampled_from([0.0, 1e-12, -1e-7, 1e-5, -1.0]), st.floats(-4.0, 4.0))
 
 
-@settings(deadline=None, max_examples=60)
+@settings(max_examples=60)
 @given(st.sampled_from(KINDS), curvatures, st.one_of(st.none(), curvatures))
 def test_bending_keeps_the_outline_and_the_middle_and_gives_the_curvature(kind, curvature, cross):
     mesh = on(kind[0], flip=kind[1])

@@ -221,7 +221,7 @@ def test_angles_are_exact_when_tiny_and_when_opposite():
 COORDINATE = st.floats(-1e3, 1e3, width=32) | st.sampled_from([0.0, 1e-30, -1.0, 9.0])
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(st.tuples(COORDINATE, COORDINATE, COORDINATE), st.booleans(), st.integers(1, 4), st.integers(1, 4))
 def test_any_seen_point_has_a_finite_error_within_its_bounds(point, sky, width, height):
     truth = plane_truth((width, height))
@@ -233,7 +233,7 @@ def test_any_seen_point_has_a_finite_error_within_its_bounds(point, sky, width, 
     assert errors.angular_mrad.median <= errors.angular_mrad.p95 <= errors.angular_mrad.max
 
 
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=25)
 @given(st.floats(-3.0, 3.0), st.floats(-3.0, 3.0), st.floats(0.1, 1e3))
 def test_turning_and_scaling_the_world_changes_no_error_in_pixels(turn, tilt, scale):
     def rotation(angle, axis):

@@ -32,7 +32,6 @@ def test_lines_of_sight_leave_a_cameras_eye():
     assert eye.picture(points).tolist() == CAMERA.picture(points, SIZE).tolist()
 
 
-@settings(deadline=None)
 @given(SEEDS, st.sampled_from([-0.5, 0.5, 1.4]), st.floats(3.0, 9.0))
 def test_an_eye_at_infinity_is_the_limit_of_distant_ones(seed, radius, power):
     generator = np.random.default_rng(seed)
@@ -50,7 +49,6 @@ def test_an_eye_at_infinity_is_the_limit_of_distant_ones(seed, radius, power):
     assert ((parallel.status == RayStatus.OK) == (mirror.normals @ toward > 0.0))[clear].all()
 
 
-@settings(deadline=None)
 @given(SEEDS, st.sampled_from([-0.5, 0.5, 1.4]))
 def test_lines_that_run_towards_a_point_are_reflected_before_they_reach_it(seed, radius):
     generator = np.random.default_rng(seed)
@@ -107,7 +105,7 @@ def test_a_camera_and_its_eye_agree_on_the_picture():
     assert w == pytest.approx(depths[:, 0] * (camera.directions(pixels, SIZE) @ camera.axes()[2]))
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 @given(SEEDS, st.integers(1, 30), st.integers(1, 30), st.floats(1.0, 170.0))
 def test_all_pixels_at_once_look_where_each_does(seed, width, height, field):
     generator = np.random.default_rng(seed)

@@ -68,7 +68,7 @@ def power_along(lens: Lens, degrees: float, index: float) -> float:
     return float(-(directions @ along)[0] / (ends @ along)[0] / -(directions @ OUTWARD)[0])
 
 
-@settings(deadline=None, max_examples=40)
+@settings(max_examples=40)
 @given(prescriptions)
 def test_the_power_of_a_lens_is_read_from_its_surfaces(prescription):
     lens = lens_of(prescription)
@@ -80,7 +80,7 @@ def test_the_power_of_a_lens_is_read_from_its_surfaces(prescription):
     assert weakest <= optics.power <= strongest
 
 
-@settings(deadline=None, max_examples=60)
+@settings(max_examples=60)
 @given(prescriptions, powers, indices)
 def test_a_ground_lens_has_the_power_that_is_asked_for_and_keeps_its_cylinder(prescription, power, index):
     plain = replace(prescription, prism=0.0)
@@ -92,7 +92,7 @@ def test_a_ground_lens_has_the_power_that_is_asked_for_and_keeps_its_cylinder(pr
     assert power_along(lens, plain.axis + 90.0, refractive) == pytest.approx(power + plain.cylinder, abs=2e-3)
 
 
-@settings(deadline=None, max_examples=40)
+@settings(max_examples=40)
 @given(prescriptions, indices)
 def test_another_index_alone_keeps_power_and_prism(prescription, index):
     lens = changed(lens_of(prescription), index=index)
@@ -106,7 +106,7 @@ def test_another_index_alone_keeps_power_and_prism(prescription, index):
     np.testing.assert_allclose(directions[0] / -directions[0, 2], deviated, atol=2e-6)
 
 
-@settings(deadline=None, max_examples=40)
+@settings(max_examples=40)
 @given(prescriptions, powers, indices)
 def test_a_ground_lens_is_closed_and_on_its_exact_surfaces(prescription, power, index):
     before = lens_of(prescription)

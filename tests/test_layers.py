@@ -48,7 +48,7 @@ def test_known_errors_have_known_colours(scale: Scale) -> None:
     assert np.abs(layer[0].astype(int) - expected).max() <= 1
 
 
-@settings(max_examples=100, deadline=None)
+@settings(max_examples=100)
 @given(st.floats(0.0, 1e38), st.sampled_from(SCALES))
 def test_the_table_of_colours_is_as_good_as_logarithms(error: float, scale: Scale) -> None:
     errors = np.array([[error]])
@@ -70,7 +70,7 @@ def test_each_unit_shows_its_own_map() -> None:
     assert np.array_equal(heat_map(maps, color), heat_layer(maps, color)[..., :3])
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(st.lists(st.floats(0.0, 8.0, width=16), min_size=3, max_size=3))
 def test_the_picture_stays_as_a_grey_between_three_quarters_and_white(color: list[float]) -> None:
     picture = np.array([[color]], np.float32)

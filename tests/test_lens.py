@@ -54,7 +54,7 @@ def power_along(prescription: Prescription, degrees: float) -> float:
     return float(-(directions @ along)[0] / (ends @ along)[0] / -(directions @ OUTWARD)[0])
 
 
-@settings(deadline=None, max_examples=40)
+@settings(max_examples=40)
 @given(prescriptions)
 def test_back_vertex_power_is_the_prescriptions(prescription):
     assume(possible(prescription))
@@ -95,7 +95,7 @@ def test_the_base_of_a_prism_is_its_thick_side():
     assert thick[top] - thick[bottom] == pytest.approx(0.06 * 0.05 / 0.5, rel=0.02)
 
 
-@settings(deadline=None, max_examples=40)
+@settings(max_examples=40)
 @given(prescriptions, st.integers(7, 700))
 def test_a_lens_is_closed_wound_outward_and_on_its_exact_surfaces(prescription, vertices):
     assume(possible(prescription))
@@ -167,7 +167,7 @@ def test_the_number_of_vertices_is_about_what_is_asked_for(wanted):
     assert len(lens.front.positions) == len(lens.back.positions)
 
 
-@settings(deadline=None, max_examples=60)
+@settings(max_examples=60)
 @given(prescriptions)
 def test_an_impossible_lens_is_refused_with_a_remedy_that_works(prescription):
     try:

@@ -33,7 +33,7 @@ def test_a_scene_without_glass_has_none():
     assert scene_glass(builtin.make("car-mirror")) == SceneGlass((), ())
 
 
-@settings(deadline=None, max_examples=20)
+@settings(max_examples=20)
 @given(st.permutations(range(7)))
 def test_two_lenses_are_found_in_any_order(order):
     """Names with slashes of their own, one name the beginning of the other."""

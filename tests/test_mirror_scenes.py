@@ -4,7 +4,7 @@ from functools import cache
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from anamorph.errors import AnamorphError
@@ -75,7 +75,6 @@ def test_mirrors_face_the_eye_and_nothing_hides_their_border_but_what_stands_bef
         assert not first & {"bezel", "mount-saddle", "mount-cylinder", f"frame/{part}"}
 
 
-@settings(deadline=None)
 @given(curvatures, st.floats(0.0, 1e-3), st.sampled_from((-1.0, 1.0)))
 def test_where_rays_meet_a_mirror_changes_continuously_with_its_curvature(curvature, step, sign):
     other = float(np.clip(curvature + sign * step, -2.0, 2.0))

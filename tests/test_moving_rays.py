@@ -51,7 +51,7 @@ def test_small_motions_again_and_again(way, rebuild):
 
 
 @pytest.mark.parametrize("rebuild", [False, True])
-@settings(max_examples=12, deadline=None)
+@settings(max_examples=12)
 @given(seed=st.integers(0, 100), scale=st.sampled_from([1e-3, 1.0, 1e4]), flat=st.booleans())
 def test_vertices_may_go_anywhere(rebuild, seed, scale, flat):
     """Each to a place of its own: also onto a plane, into points, and into another order of size."""

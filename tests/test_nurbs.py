@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from anamorph.errors import AnamorphError
@@ -87,7 +87,6 @@ def test_curvatures_of_a_torus_follow_its_closed_form(u, v):
     np.testing.assert_allclose(surface.curvatures(uv), [sorted([2.0, across], reverse=True)], atol=1e-9)
 
 
-@settings(deadline=None)
 @given(st.integers(0, 20), st.floats(0.001, 1.999), st.floats(0.001, 1.999))
 def test_derivatives_are_those_of_the_position(seed, u, v):
     surface, uv, step = bumpy(seed), np.array([[u, v]]), 1e-4

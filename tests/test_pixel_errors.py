@@ -52,7 +52,7 @@ def wild_frame(random: np.random.Generator, height: int, width: int) -> tuple[Fr
     return truth, frame
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(st.integers(0, 2**32 - 1), st.integers(1, 40), st.integers(1, 14))
 def test_plain_numpy_finds_the_same_errors(seed: int, height: int, width: int) -> None:
     truth, frame = wild_frame(np.random.default_rng(seed), height, width)
@@ -63,7 +63,7 @@ def test_plain_numpy_finds_the_same_errors(seed: int, height: int, width: int) -
     assert not maps.angular[~maps.specular].any() and not maps.pixels[~maps.specular].any()
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(st.integers(0, 2**32 - 1), st.integers(1, 12), st.integers(1, 12))
 def test_silhouettes_and_other_objects_are_what_one_finds_pixel_by_pixel(seed: int, height: int, width: int) -> None:
     truth, frame = wild_frame(np.random.default_rng(seed), height, width)
@@ -82,7 +82,7 @@ def test_silhouettes_and_other_objects_are_what_one_finds_pixel_by_pixel(seed: i
             assert maps.other_object[row, column] == (counts and not border and wrong)
 
 
-@settings(max_examples=20, deadline=None)
+@settings(max_examples=20)
 @given(st.integers(0, 2**32 - 1))
 def test_the_statistics_alone_are_those_of_the_whole_measure(seed: int) -> None:
     truth, frame = wild_frame(np.random.default_rng(seed), 30, 20)

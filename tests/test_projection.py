@@ -92,7 +92,7 @@ def random_axes(generator):
     return axes
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(SEEDS, st.sampled_from([0.5, 1.0, 30.0, 1e4]))
 def test_a_map_sees_points_where_the_line_to_the_viewpoint_crosses_its_plane(seed, distance):
     generator = np.random.default_rng(seed)
@@ -109,7 +109,7 @@ def test_a_map_sees_points_where_the_line_to_the_viewpoint_crosses_its_plane(see
     assert np.column_stack([points, np.ones(20)]) @ frame.matrix().T == pytest.approx(projected, rel=1e-9, abs=1e-9)
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 @given(SEEDS, st.floats(1.0, 12.0))
 def test_a_map_changes_continuously_into_the_parallel_projection(seed, power):
     generator = np.random.default_rng(seed)
@@ -144,7 +144,7 @@ def maps(draw):
     return generator, frame, bounds, near_plane, corners
 
 
-@settings(max_examples=80, deadline=None)
+@settings(max_examples=80)
 @given(maps())
 def test_lines_through_the_viewpoint_keep_their_place_in_the_map(drawn):
     generator, frame, bounds, near_plane, corners = drawn
@@ -158,7 +158,7 @@ def test_lines_through_the_viewpoint_keep_their_place_in_the_map(drawn):
     assert np.stack([u / w, v / w]) == pytest.approx(np.stack([x, y]), abs=1e-9)
 
 
-@settings(max_examples=80, deadline=None)
+@settings(max_examples=80)
 @given(maps())
 def test_unclip_undoes_clip_and_the_near_plane_has_depth_one(drawn):
     generator, frame, bounds, near_plane, corners = drawn
@@ -171,7 +171,7 @@ def test_unclip_undoes_clip_and_the_near_plane_has_depth_one(drawn):
     assert z == pytest.approx(w, abs=1e-9 * np.abs(projection.clip).max() * 50.0)
 
 
-@settings(max_examples=300, deadline=None)
+@settings(max_examples=300)
 @given(maps())
 def test_nothing_of_the_scene_inside_the_view_volume_is_cut_off(drawn):
     generator, frame, bounds, near_plane, corners = drawn
@@ -224,7 +224,7 @@ def lines_of(generator, frame, bounds, projection, count=20):
     return places, frame.center + starts @ frame.axes[:2], looks
 
 
-@settings(max_examples=80, deadline=None)
+@settings(max_examples=80)
 @given(converging())
 def test_before_and_beyond_their_crossing_lines_keep_one_place(drawn):
     generator, frame, bounds, near_plane, corners = drawn
@@ -247,7 +247,7 @@ def test_before_and_beyond_their_crossing_lines_keep_one_place(drawn):
     assert np.stack([u / w, v / w], axis=-1) == pytest.approx(places, abs=1e-7)
 
 
-@settings(max_examples=80, deadline=None)
+@settings(max_examples=80)
 @given(converging())
 def test_along_lines_that_cross_what_is_nearer_to_the_mirror_is_in_front(drawn):
     generator, frame, bounds, near_plane, corners = drawn
@@ -262,7 +262,7 @@ def test_along_lines_that_cross_what_is_nearer_to_the_mirror_is_in_front(drawn):
         assert z[0] / w[0] == pytest.approx(1.0) and 0.0 < z[-1] / w[-1] < 1e-8
 
 
-@settings(max_examples=80, deadline=None)
+@settings(max_examples=80)
 @given(converging())
 def test_only_at_the_crossing_itself_is_something_cut_off(drawn):
     generator, frame, bounds, near_plane, corners = drawn
@@ -277,7 +277,7 @@ def test_only_at_the_crossing_itself_is_something_cut_off(drawn):
         assert (z[inside] >= 0.0).all()
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(SEEDS, st.floats(2.0, 12.0), st.sampled_from([1.0, -1.0]))
 def test_a_map_changes_continuously_from_spreading_to_converging_lines(seed, power, sign):
     generator = np.random.default_rng(seed)

@@ -207,7 +207,7 @@ def triangulations(draw):
     return np.array(places), np.array(faces), np.array(weights), shift
 
 
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=150)
 @given(triangulations())
 def test_no_pixel_inside_is_left_out(drawn):
     places, faces, weights, shift = drawn

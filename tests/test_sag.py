@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from anamorph.errors import AnamorphError
@@ -90,7 +90,6 @@ def test_an_asphere_is_its_formula():
     np.testing.assert_allclose(-paraboloid.position(uv)[:, 2], expected, rtol=1e-13)
 
 
-@settings(deadline=None)
 @given(surfaces, st.integers(0, 10**6))
 def test_hits_are_those_of_a_root_finder(surface, seed):
     random = np.random.default_rng(seed)

@@ -117,7 +117,7 @@ def test_there_are_no_cracks(name):
 
 
 @given(st.integers(0, 2**32 - 1), st.sampled_from([0.0, 0.1, 0.5, 0.9, 1.0]), st.sampled_from(sorted(MESHES)))
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 def test_any_edges_can_be_cut(seed, share, name):
     mesh = MESHES[name]
     chosen = np.random.default_rng(seed).random(10_000) < share
@@ -175,7 +175,6 @@ latitude = st.one_of(st.sampled_from([-np.pi / 2, 0.0, 1.57, np.pi / 2]), st.flo
 
 
 @given(st.lists(st.tuples(longitude, latitude), min_size=3, max_size=3), st.floats(1e-2, 1e2), st.integers(1, 3))
-@settings(deadline=None)
 def test_parts_of_any_triangle_on_a_sphere_cover_it_once(angles, radius, levels):
     sphere = Sphere(np.zeros(3), radius, TILTED)
     uv = np.array(angles)

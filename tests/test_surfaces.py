@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
@@ -101,7 +101,6 @@ def test_a_patchs_normal_is_unit_and_at_right_angles_to_it(bump, u, v):
     assert normal[2] > 0
 
 
-@settings(deadline=None)
 @given(bumps, st.sampled_from(["u0", "u1", "v0", "v1"]), st.sampled_from([0.0, 0.3, 1.0]))
 def test_on_a_collapsed_edge_the_normal_is_the_limit_from_inside(bump, edge, along):
     control = FLAT + bump

@@ -165,7 +165,7 @@ def test_a_refined_teapot_has_no_cracks_though_its_patches_differ(levels, monkey
     st.sampled_from([1.5, 3.0]),
     st.sampled_from([0.3, 3.0]),
 )
-@settings(max_examples=8, deadline=None)
+@settings(max_examples=8)
 def test_quarters_of_a_torus_stay_closed_from_everywhere(toward, distance, tolerance):
     torus = torus_surface(0.3, 0.12)
     quarters = [mesh_on(torus, (i, 0), (i + 1, 4), (6, 12)) for i in range(4)]

@@ -11,7 +11,7 @@ from anamorph.errors import AnamorphError
 from anamorph.trilinear import bounding_planes, project_points, side_surfaces
 
 KINDS = ["any", "narrow", "beam", "pinhole", "parallel", "opposed", "plane side", "crossing", "thin", "two alike"]
-QUICK = settings(max_examples=100, deadline=None, phases=(Phase.explicit, Phase.generate))
+QUICK = settings(max_examples=100, phases=(Phase.explicit, Phase.generate))
 
 
 def ray_triangle(kind, random):

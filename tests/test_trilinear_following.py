@@ -16,7 +16,7 @@ from anamorph.trilinear.samples import LEAST_EXTENT, OUTSIDE, samples
 from anamorph.trilinear.tree import make_tree
 
 SIZE = (400, 400)
-QUICK = settings(max_examples=60, deadline=None, phases=(Phase.explicit, Phase.generate))
+QUICK = settings(max_examples=60, phases=(Phase.explicit, Phase.generate))
 KINDS = ["any", "flat", "parallel", "nearly parallel", "pinhole", "edge-on", "thin mirror", "thin picture", "opposed"]
 
 

@@ -16,7 +16,7 @@ from anamorph.trilinear.inside import is_inside, span
 from anamorph.trilinear.pixels import seen_pixels
 from anamorph.trilinear.plan import Plan
 
-QUICK = settings(max_examples=60, deadline=None)
+QUICK = settings(max_examples=60)
 SEEDS = st.integers(0, 2**32 - 1)
 
 

@@ -32,7 +32,7 @@ from anamorph.trilinear import plan as plan_module
 from anamorph.trilinear.pairs import ALL, FRONTS, NONE, ROUNDING, TERMS, Own, make_room
 from anamorph.trilinear.plan import Plan, Planner
 
-QUICK = settings(max_examples=150, deadline=None, phases=(Phase.explicit, Phase.generate))
+QUICK = settings(max_examples=150, phases=(Phase.explicit, Phase.generate))
 MARGIN = 1.0 / 64.0
 AROUND = MARGIN * np.array([(np.cos(angle), np.sin(angle)) for angle in np.arange(8) * np.pi / 4])
 NOISE = 1e-11

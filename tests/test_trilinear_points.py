@@ -198,7 +198,7 @@ def largest_miss(p, n, points, result):
     return worst
 
 
-@settings(max_examples=40, deadline=None, phases=(Phase.explicit, Phase.generate))
+@settings(max_examples=40, phases=(Phase.explicit, Phase.generate))
 @given(st.sampled_from(KINDS), st.sampled_from(NEARLY), st.integers(0, 2**32 - 1))
 @example("slit", 1e-12, 9225)
 @example("slit", 1e-12, 12662017)

@@ -87,7 +87,7 @@ def scene(seed, kind="any"):
 
 KINDS = st.sampled_from(["any", "narrow", "one plane", "pinhole", "edge on", "thin"])
 SEEDS = st.integers(0, 2**32 - 1)
-QUICK = settings(max_examples=60, deadline=None, phases=(Phase.explicit, Phase.generate))
+QUICK = settings(max_examples=60, phases=(Phase.explicit, Phase.generate))
 
 
 @QUICK

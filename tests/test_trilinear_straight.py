@@ -16,7 +16,7 @@ PLAIN = np.array([[0.0, 0.0, 1.0], [1.0, 0.0, 1.0], [0.0, 1.0, 1.0]])
 """A picture in which places are u and v."""
 
 ONE = np.zeros((1, 2), int)
-QUICK = settings(max_examples=40, deadline=None, phases=(Phase.explicit, Phase.generate))
+QUICK = settings(max_examples=40, phases=(Phase.explicit, Phase.generate))
 SEEDS = st.integers(0, 2**32 - 1)
 
 

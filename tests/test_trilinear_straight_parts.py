@@ -23,7 +23,7 @@ from anamorph.trilinear.solve import BEFORE, COUNT, FAR, NOWHERE, ROOT, ROOTS, V
 from anamorph.trilinear.traces import CUTS, side_crossings
 
 SEEDS = st.integers(0, 2**32 - 1)
-QUICK = settings(max_examples=150, deadline=None, phases=(Phase.explicit, Phase.generate))
+QUICK = settings(max_examples=150, phases=(Phase.explicit, Phase.generate))
 
 
 def row_of(p, n):

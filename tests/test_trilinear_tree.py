@@ -11,7 +11,7 @@ from anamorph.trilinear.tree import LEAF, Tree, make_tree, moved_tree
 
 COUNTS = [0, 1, 2, LEAF, LEAF + 1, 8 * LEAF, 8 * LEAF + 1, 1000]
 KINDS = ["anywhere", "in a plane", "on a line", "at a point", "two heaps", "huge and tiny"]
-QUICK = settings(max_examples=60, deadline=None)
+QUICK = settings(max_examples=60)
 
 
 def soup(kind: str, count: int, seed: int = 0) -> np.ndarray:

@@ -172,7 +172,7 @@ behind = st.tuples(near, near, st.floats(0.01, 50.0)).map(
 )
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(first=st.one_of(points, behind), second=st.one_of(points, behind), width=st.floats(0.1, 12.0))
 def test_any_line_is_where_numpy_draws_it(first, second, width):
     ends = np.array([first, second]).astype(np.float32).astype(float)
@@ -184,14 +184,14 @@ def test_any_line_is_where_numpy_draws_it(first, second, width):
     assert np.abs(picture - wanted).max() < 0.06
 
 
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=25)
 @given(first=behind, second=behind)
 def test_nothing_behind_the_eye_is_drawn(first, second):
     marks = joined([line_marks([[first, second]], ORANGE, 9.0), dot_marks([first, second], ORANGE, 20.0)])
     assert drawn(marks) == pytest.approx(np.broadcast_to(GREY, (*SIZE[::-1], 3)), abs=0.003)
 
 
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=25)
 @given(eye=st.tuples(near, near, near), scale=st.sampled_from([0.01, 1.0, 300.0]), width=st.floats(0.1, 12.0))
 @example(eye=(0.0, 0.0, 0.0), scale=1.0, width=1.0)
 @example(eye=(1.0, -2.0, 0.3), scale=300.0, width=9.0)
@@ -203,7 +203,7 @@ def test_what_stands_in_the_eye_itself_is_not_drawn(eye, scale, width):
     assert picture == pytest.approx(np.broadcast_to(GREY, (*SIZE[::-1], 3)), abs=0.003)
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 @given(first=points, share=st.sampled_from([0.0, 0.5, 1.0]), width=st.floats(0.1, 6.0))
 def test_a_line_through_the_eye_shows_at_least_its_point(first, share, width):
     """What rounding adds to that point cannot be foretold."""

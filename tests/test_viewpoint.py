@@ -23,7 +23,7 @@ def stacked_least_squares(origins, directions):
     return np.linalg.lstsq(across.reshape(-1, 3), np.einsum("nij,nj->ni", across, origins).ravel(), rcond=None)[0]
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(SEEDS, st.integers(2, 40), st.sampled_from([0.05, 0.3, 1.0]), st.sampled_from([0.0, 1.0, 1e3]))
 def test_it_is_the_least_squares_point(seed, count, spread, shift):
     generator = np.random.default_rng(seed)
@@ -36,7 +36,7 @@ def test_it_is_the_least_squares_point(seed, count, spread, shift):
     assert np.linalg.norm(viewpoint[:3] / viewpoint[3] - expected) <= tolerance
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(SEEDS, st.integers(2, 30), st.sampled_from([0.05, 0.3]), st.sampled_from([-1.0, 1.0]))
 def test_it_satisfies_its_normal_equations_and_its_sign_tells_the_side(seed, count, spread, side):
     """Positive weight is a point behind the rays' origins; rays that converge before them give a negative one."""
@@ -57,7 +57,7 @@ def test_it_satisfies_its_normal_equations_and_its_sign_tells_the_side(seed, cou
         assert np.sign(behind) == side
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 @given(SEEDS, st.integers(2, 30))
 def test_lines_through_one_point_give_it_back(seed, count):
     generator = np.random.default_rng(seed)
@@ -69,7 +69,7 @@ def test_lines_through_one_point_give_it_back(seed, count):
     assert viewpoint[:3] / viewpoint[3] == pytest.approx(point, abs=1e-12 * 30.0 / smallest)
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 @given(SEEDS, st.integers(1, 30), st.sampled_from([1e-3, 1.0, 1e3]))
 def test_parallel_rays_and_one_ray_lead_to_infinity(seed, count, size):
     generator = np.random.default_rng(seed)

@@ -98,7 +98,6 @@ def test_what_toml_cannot_say_is_refused_in_one_line(value: Any) -> None:
 
 
 @given(states)
-@settings(deadline=None)
 def test_a_state_survives_its_table(state: State) -> None:
     read = tomllib.loads(toml_text({"view": view_of(state)}))["view"]
     table = Table(Path("view.toml"), ("view",), read, {})
@@ -116,7 +115,7 @@ def builtin_scene(name: str) -> Scene:
 
 
 @given(st.data())
-@settings(max_examples=10, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(max_examples=10, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @pytest.mark.parametrize("name", ["flat-mirror", "spectacles-minus"])
 def test_a_saved_view_opens_the_same_and_draws_the_same(tmp_path: Path, name: str, data: st.DataObject) -> None:
     scene = builtin_scene(name)

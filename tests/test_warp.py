@@ -137,7 +137,7 @@ CONCAVE = st.tuples(
 )
 
 
-@settings(deadline=None, max_examples=30)
+@settings(max_examples=30)
 @given(CONCAVE)
 def test_hits_before_and_beyond_the_crossing_look_up_their_places_in_their_own_view(drawn):
     radius, position = drawn
@@ -185,7 +185,7 @@ def before_the_crossing_depth_rises_towards_the_mirror(scene):
             assert (np.diff(depth) > 0.0).all()
 
 
-@settings(deadline=None, max_examples=60)
+@settings(max_examples=60)
 @given(
     st.sampled_from([-0.25, -0.35, -0.5, -0.8]),
     st.tuples(st.floats(-0.6, 0.6), st.floats(0.2, 1.0), st.floats(0.2, 3.0)),
@@ -232,7 +232,7 @@ def test_nothing_before_the_crossing_needs_no_second_map():
     assert in_map(plan.projections[0], beyond[None])[2] > 0.0
 
 
-@settings(deadline=None, max_examples=40)
+@settings(max_examples=40)
 @given(st.sampled_from([-0.35, -0.5, -1.4, 0.5, 1.4, 1e3, -1e3]), st.floats(-0.6, 0.6), st.floats(0.5, 3.0))
 def test_a_maps_eye_looks_where_the_map_does(radius, aside, distance):
     """The lines of sight of the eye that sees other mirrors in a map are those of the map's own pixels."""
@@ -274,7 +274,6 @@ def bundles(draw):
     return axes, directions / np.linalg.norm(directions, axis=1, keepdims=True), longer
 
 
-@settings(deadline=None)
 @given(bundles())
 def test_maps_are_turned_along_their_rays_by_at_most_45_degrees(drawn):
     axes, directions, longer = drawn

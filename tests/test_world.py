@@ -40,7 +40,7 @@ def projection_of(kind, generator):
     return map_projection(frame, bounds, np.append(axes[2], -axes[2] @ center + 0.05), corners)
 
 
-@settings(max_examples=200, deadline=None)
+@settings(max_examples=200)
 @given(SEEDS, st.sampled_from(["pinhole", "parallel", "spread", "near", "far"]), st.sampled_from([0.0, 0.05, 1.0, 8.0]))
 def test_a_mesh_with_a_visible_point_is_never_left_out(seed, kind, extent):
     generator = np.random.default_rng(seed)

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import assume, given, settings
+from hypothesis import assume, example, given, settings
 from hypothesis import strategies as st
 from light import through
 
@@ -97,6 +97,7 @@ def test_the_base_of_a_prism_is_its_thick_side():
 
 @settings(max_examples=40)
 @given(prescriptions, st.integers(7, 700))
+@example(Prescription(0.0, base_curve=1e-6, centre_thickness=1.0, diameter=10.0), 7)
 def test_a_lens_is_closed_wound_outward_and_on_its_exact_surfaces(prescription, vertices):
     assume(possible(prescription))
     axes = np.array([[0.8, 0.0, -0.6], [0.36, 0.8, 0.48], [0.48, -0.6, 0.64]])
@@ -124,7 +125,10 @@ def test_a_lens_is_closed_wound_outward_and_on_its_exact_surfaces(prescription, 
         np.testing.assert_allclose(mesh.parameters[0], 0.0, atol=1e-9)
         away = mesh.surface.position(mesh.parameters) - place
         border = away[-6 * rings_for(vertices) :] @ axes[:2].T
-        np.testing.assert_allclose(np.linalg.norm(border, axis=1), 5e-4 * prescription.diameter, rtol=1e-9)
+        # A nearly flat face is part of a sphere of kilometres, whose points are rounded as its radius is.
+        rounding = np.spacing(getattr(mesh.surface, "radius", 1.0))
+        reach = np.linalg.norm(border, axis=1)
+        np.testing.assert_allclose(reach, 5e-4 * prescription.diameter, rtol=1e-9, atol=2.0 * rounding)
         np.testing.assert_allclose(away[0] @ axes[:2].T, 0.0, atol=1e-12)
     on_axis = (lens.front.positions[0] - lens.back.positions[0]).astype(float) @ axes[2]
     assert on_axis == pytest.approx(1e-3 * prescription.centre_thickness, abs=3e-7)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from hypothesis import Phase, given, settings
+from hypothesis import Phase, example, given, settings
 from hypothesis import strategies as st
 
 from anamorph.errors import AnamorphError
@@ -59,6 +59,8 @@ def test_no_box_is_rejected_that_holds_a_seen_point(kind, seed, away):
 
 @QUICK
 @given(st.sampled_from(KINDS), st.integers(0, 2**32 - 1), st.sampled_from([np.inf, 5.0]))
+@example("thin", 29, 5.0)
+@example("thin", 170973560, 5.0)
 def test_no_side_rejects_a_seen_point(kind, seed, reach):
     random = np.random.default_rng(seed)
     p, n = ray_triangle(kind, random)

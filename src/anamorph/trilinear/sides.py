@@ -39,6 +39,8 @@ class SideSurfaces:
         First and second are 0 where the side is a plane.
     inner : (..., 3) float64
         The sign of S inside; 0 where the side tells nothing.
+    slack : (..., 3) float64
+        How far beyond 0 S may be inside all the same, at a distance of 1: slivers sway by as much as rounding hides.
     """
 
     frame: RayTriangleFrame
@@ -47,6 +49,7 @@ class SideSurfaces:
     first: np.ndarray
     second: np.ndarray
     inner: np.ndarray
+    slack: np.ndarray
 
     def outside(self, points: np.ndarray) -> np.ndarray:
         """Whether points (..., N, 3) are beyond a side, (..., N) bool: true only for points that are not seen."""
@@ -58,7 +61,7 @@ class SideSurfaces:
         far = 1.0 + np.linalg.norm(off, axis=-1)
         lengths = (np.linalg.norm(form, axis=-1)[..., None] for form in (self.linear, self.first, self.second))
         linear, first, second = lengths
-        noise = NOISE * (linear * far + first * second * far**2)
+        noise = NOISE * (linear * far + first * second * far**2) + self.slack[..., None] * far**2
         values = along(self.linear) - along(self.first) * along(self.second)
         return (self.inner[..., None] * values < -noise).any(axis=-2)
 
@@ -96,7 +99,8 @@ def side_surfaces(origins: np.ndarray, directions: np.ndarray, reach: float = np
     linear = np.where(plane, normal, k * across)
     first, second = np.where(plane, 0.0, first), np.where(plane, 0.0, second)
     end = np.broadcast_to(reach / frame.pace, frame.pace.shape)
-    return SideSurfaces(frame, p, linear, first, second, _inner(linear, first, second, k, plane, g, h, end))
+    inner, slack = _inner(linear, first, second, k, plane, g, h, end)
+    return SideSurfaces(frame, p, linear, first, second, inner, slack)
 
 
 def _dot(a: np.ndarray, b: np.ndarray) -> np.ndarray:
@@ -112,8 +116,8 @@ def _inner(
     g: np.ndarray,
     h: np.ndarray,
     end: np.ndarray,
-) -> np.ndarray:
-    """The sign of S / w over all weights and all t from 0 to `end`; 0 where it changes. (..., 3)."""
+) -> tuple[np.ndarray, np.ndarray]:
+    """The sign of S / w over all weights and all t from 0 to `end`, 0 where it changes; the slack in it. (..., 3)."""
     k = np.where(plane, 0.0, k)[..., 0]
     zero = np.zeros_like(k)
     l0, l1 = _dot(linear, g), _dot(linear, h)
@@ -132,4 +136,4 @@ def _inner(
     noise = NOISE * magnitude * np.maximum(1.0, t[..., 0]) ** 2
     lowest, highest = bounds.min(axis=(-1, -2)), bounds.max(axis=(-1, -2))
     positive, negative = lowest >= -noise, highest <= noise
-    return np.where(positive & ~negative, 1.0, np.where(negative & ~positive, -1.0, 0.0))
+    return np.where(positive & ~negative, 1.0, np.where(negative & ~positive, -1.0, 0.0)), noise

@@ -12,7 +12,7 @@ from light import through
 
 from anamorph.errors import AnamorphError
 from anamorph.scene.lens import Prescription, edge_thickness, make_lens, worn_lens
-from anamorph.scene.lens_mesh import Lens, disc, lens_between, rings_for
+from anamorph.scene.lens_mesh import Lens, disc, lens_between, rings_for, thickness
 from anamorph.scene.model import Glass
 from anamorph.scene.prescription import round_surface
 
@@ -35,10 +35,16 @@ prescriptions = st.builds(
 
 
 def possible(prescription: Prescription) -> bool:
+    """Whether its faces cross nowhere: beside a strong prism they may do so well inside the edge."""
     try:
-        return edge_thickness(prescription) > 0.0
+        edge = edge_thickness(prescription)
     except AnamorphError:
         return False
+    across = 5e-4 * prescription.diameter * np.linspace(-1.0, 1.0, 41)
+    places = np.stack(np.meshgrid(across, across), axis=-1).reshape(-1, 2)
+    inside = places[np.linalg.norm(places, axis=1) <= across[-1]]
+    front, back = prescription.surfaces(np.zeros(3), AXES)
+    return edge > 0.0 and thickness(front, back, np.zeros(3), AXES, inside).min() > 1e-5
 
 
 def lens_of(prescription: Prescription, vertices: int = 61) -> Lens:
@@ -218,6 +224,8 @@ def test_a_prescription_that_makes_no_sense_is_refused_by_field(change, word):
     [
         (Prescription(6.0), "edge thickness is -"),
         (Prescription(-40.0), "the back surface needs a radius"),
+        # The prism moves the back's centre aside: across the axis it reaches 22.9 mm to one side, and no further.
+        (Prescription(-20.0, prism=4.0, index=1.498, centre_thickness=1.0, diameter=46.0), "the back surface needs"),
         (Prescription(10.0, base_curve=40.0), "the front surface needs a radius"),
         (Prescription(1.0, base_curve=800.0), "focuses light inside the lens"),
     ],

@@ -17,6 +17,9 @@ __all__ = ["Lens", "Prescription", "edge_thickness", "make_lens", "worn_lens"]
 LEAST_EDGE = 0.5
 """Edge thickness, millimetres, that a remedy aims at."""
 
+STEEPEST = 0.95
+"""How far out the edge may lie, as a share of a face's radius: further out the face runs along the axis."""
+
 
 def lens_axes(outward: Vector, up: Vector = (0.0, 1.0, 0.0)) -> np.ndarray:
     """Rows right, up and outward, (3, 3) float64, as seen by who faces the wearer."""
@@ -106,14 +109,18 @@ def _check_radii(prescription: Prescription) -> None:
     """Both faces must reach the edge."""
     per_power = 1e-3 / (prescription.index - 1.0)
     back = (prescription.back_power(prescription.sphere + more) for more in (0.0, prescription.cylinder))
-    steepest = {"front": abs(prescription.front_power), "back": max(map(abs, back))}
-    for side, power in steepest.items():
+    faces = (
+        ("front", abs(prescription.front_power), 0.0),
+        ("back", max(map(abs, back)), np.sin(prescription.back_tilt)),
+    )
+    for side, power, aside in faces:
         curvature = power * per_power
-        # The prism tilts the back by a little, hence the margin.
-        if curvature * prescription.diameter / 2.0 > 0.95:
+        # A tilted face's centre stands aside, by this share of its radius.
+        if curvature * prescription.diameter / 2.0 > STEEPEST - aside:
             raise AnamorphError(
                 f"prescription: the {side} surface needs a radius of {1.0 / curvature:.1f} mm, too small for the "
-                f"diameter; give a diameter of at most {1.9 / curvature:.1f} mm, another base_curve or a higher index"
+                f"diameter; give a diameter of at most {2.0 * max(STEEPEST - aside, 0.0) / curvature:.1f} mm, "
+                "another base_curve or a higher index"
             )
 
 

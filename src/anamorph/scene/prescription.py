@@ -95,6 +95,13 @@ class Prescription:
             )
         return power - self.front_power / reduced
 
+    @property
+    def back_tilt(self) -> float:
+        """By how much the prism tilts the back against the axis, radians."""
+        deviation = np.arctan(self.prism / 100.0)
+        # Light along the axis meets the front squarely: the tilt of the back alone has to deviate it.
+        return float(np.arctan2(np.sin(deviation), self.index - np.cos(deviation)))
+
     def surfaces(self, back_vertex: np.ndarray, axes: np.ndarray) -> tuple[LensSurface, LensSurface]:
         """Front and back of the lens whose back vertex is at `back_vertex` (3,) and whose axes are `axes` (3, 3).
 
@@ -105,10 +112,7 @@ class Prescription:
         front = round_surface(back_vertex + 1e-3 * self.centre_thickness * outward, axes, self.front_power * per_power)
 
         base = np.cos(np.radians(self.base)) * right + np.sin(np.radians(self.base)) * up
-        deviation = np.arctan(self.prism / 100.0)
-        # Light along the axis meets the front squarely: the tilt of the back alone has to deviate it.
-        tilt = np.arctan2(np.sin(deviation), self.index - np.cos(deviation))
-        behind = -np.cos(tilt) * outward - np.sin(tilt) * base
+        behind = -np.cos(self.back_tilt) * outward - np.sin(self.back_tilt) * base
         along = np.cos(np.radians(self.axis)) * right + np.sin(np.radians(self.axis)) * up
         along -= (along @ behind) * behind
         along /= np.linalg.norm(along)

@@ -30,7 +30,7 @@ SAVED = (
 )
 
 PATHS = Request.SAVE_PATH, Request.SAVE_PATH_SERIES
-TOO_FEW = "A path needs two remembered views: press K in each."
+TOO_FEW = "A path needs two remembered views (K)."
 
 UNASKED = "Choose Error above, or click into the picture, to have them measured."
 

@@ -23,8 +23,8 @@ def views_section(sheet: Sheet, state: State) -> State:
     caption(f"Remembered: {len(views)}. Press one to go there." if views else NONE_YET)
     for number, view in enumerate(views):
         imgui.push_style_color(imgui.Col_.button, theme.FILL if view == shown else theme.FIELD)
-        text = shortened(f"{number + 1}:  {point_text(view.position)}", width - 12.0)
-        if button(sheet, f"views/{number}", text, "Show it again; where it was taken from, metres", width):
+        text = shortened(f"{number + 1}:  {point_text(view.position)} m", width - 12.0)
+        if button(sheet, f"views/{number}", text, "Show it again; it was taken from this place", width):
             state = go_to(state, number)
         imgui.pop_style_color()
         imgui.same_line(0.0, 2.0)

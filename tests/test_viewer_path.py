@@ -19,6 +19,7 @@ from viewer_hand import Hand
 import anamorph as an
 from anamorph.cli import main
 from anamorph.errors import AnamorphError
+from anamorph.frame import Frame, View
 from anamorph.scene.camera import Camera
 from anamorph.scene.scenefile import load_scene_file
 from anamorph.srgb import encode_srgb
@@ -209,7 +210,9 @@ def push(hand: Hand, *keys: str) -> None:
         hand.draw(3)
 
 
-def test_views_are_remembered_shown_again_forgotten_and_filmed(hand: Hand, tmp_path: Path) -> None:
+def test_views_are_remembered_shown_again_forgotten_and_filmed(
+    hand: Hand, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     hand.settle()
     hand.key("k")
     hand.drag(hand.place(0.6, 0.6), hand.place(0.7, 0.55))
@@ -235,10 +238,13 @@ def test_views_are_remembered_shown_again_forgotten_and_filmed(hand: Hand, tmp_p
         wanted = an.render("flat-mirror", camera=camera, size=(right - left, bottom - top), samples=2).color
         with Image.open(tmp_path / "flat-mirror-1" / name) as image:
             assert np.array_equal(np.asarray(image), np.round(255 * encode_srgb(wanted)).astype(np.uint8))
+    # So long that it is not done before anybody can cancel it.
+    monkeypatch.setattr("anamorph.viewer.turntable.LEG", 500)
     push(hand, "save-path")
     hand.settle(lambda report: report["progress"] and report["progress"]["done"] > 2)
     hand.click(*hand.widget("cancel"))
     hand.settle(lambda report: report["message"] == "stopped")
+    monkeypatch.setattr("anamorph.viewer.turntable.LEG", 2)
     assert [each.name for each in tmp_path.iterdir()] == ["flat-mirror-1"], "a stopped one leaves nothing behind"
     push(hand, "save-path")
     hand.settle(lambda report: report["message"] == "saved flat-mirror-1.webm")
@@ -278,6 +284,23 @@ def test_a_pixel_reopens_as_his_whose_it_was(hand: Hand, tmp_path: Path, outside
         assert found == (None if outside else seen)
     finally:
         again.close()
+
+
+def test_a_method_that_cannot_look_for_the_eye_is_told_of_once(hand: Hand, monkeypatch: pytest.MonkeyPatch) -> None:
+    hand.key("o")
+    hand.settle()
+    asked = []
+
+    def failing(view: View, specification: str) -> Frame:
+        asked.append(view.camera)
+        raise AnamorphError("it looks at nothing")
+
+    monkeypatch.setattr("anamorph.viewer.looking._seen", failing)
+    hand.viewer.state = replace(hand.viewer.state, picked=(0.45, 0.45))
+    hand.viewer.refresh()
+    hand.settle()
+    assert asked == [hand.viewer.state.camera] and hand.viewer.report()["inspection"] is None
+    assert hand.viewer.report()["message"] == "it looks at nothing"
 
 
 def test_from_outside_a_click_where_the_eye_has_picked_picks_for_the_observer(hand: Hand) -> None:

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+from anamorph.frame import Frame, View
+from anamorph.methods import parse
 from anamorph.scene.camera import Camera
 from anamorph.viewer.facts import Inspection
 from anamorph.viewer.inspection import inspect, trace_path
 from anamorph.viewer.measured import Measured, measure_half
-from anamorph.viewer.pictures import MethodPictures
 from anamorph.viewer.showing import Showing
 from anamorph.viewer.space import Space
 from anamorph.viewer.state import TRUTH, State, looking_eye, shown_camera
@@ -68,13 +69,12 @@ class Looking:
 
     def _look_by_eye(self, space: Space, state: State, size: Size) -> None:
         """Look from outside into a pixel of the eye's, for which its picture is drawn once: a saved view opens so."""
-        method, eye = _method(state), looking_eye(state)
-        frames = {name: MethodPictures(space.scene, name).seen(eye, size) for name in {TRUTH, method}}
-        truth, frame = frames[TRUTH], frames[method]
-        # What fails is not tried again at every frame.
+        # What fails is told of once, and not tried again at every frame.
         self.inspection, self._picked, self._by_eye = None, state.picked, True
-        if truth is not None and frame is not None:
-            self._found(space, state, eye, size, measure_half(truth, frame))
+        method, eye = _method(state), looking_eye(state)
+        view = View(space.scene, eye, size)
+        frames = {name: _seen(view, name) for name in (TRUTH, method)}
+        self._found(space, state, eye, size, measure_half(frames[TRUTH], frames[method]))
 
     def _look(self, space: Space, state: State, size: Size, showing: Showing) -> None:
         measured = showing.measured.get(_method(state))
@@ -88,6 +88,13 @@ class Looking:
         self.inspection = inspect(space, camera, size, pixel, _method(state), seen.frame, seen.truth, seen.maps)
         self._picked, self._measured, self._size = state.picked, seen, size
         self._by_eye, self._traced = not state.picked_outside, (space, camera)
+
+
+def _seen(view: View, specification: str) -> Frame:
+    method, options = parse(specification)
+    session = method.open(view, options)
+    session.draw(view.camera)
+    return session.frame(seen=True)
 
 
 def _method(state: State) -> str:

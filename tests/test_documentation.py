@@ -35,6 +35,9 @@ EXAMPLES = sorted((ROOT / "examples").glob("*.py"))
 SMALL = ("--size", "64x48")
 """Given last, so that it replaces the size in the text: fewer pixels take less time and understand the same words."""
 
+VIEWS = "[view]\n" + 2 * "[[view.views]]\nposition = [0.4, 1.25, 0.3]\ntarget = [-0.6, 1.0, -0.45]\n"
+"""What a scene file has to keep for a path through two views."""
+
 
 def blocks(language: str) -> list[tuple[str, str]]:
     """Every fenced block in a language: where it stands, and its text."""
@@ -96,8 +99,9 @@ def test_a_command_in_a_page_works(line, tmp_path, monkeypatch, capsys):
         if word.endswith(".glb"):
             trimesh.creation.box((1.0, 2.0, 3.0)).export(word)
         if word.endswith(".toml"):
-            Path(word).write_text('builtin = "car-mirror"\nname = "car-mirror"\n')
-    small = SMALL if words[0] in ("render", "compare") else ()
+            Path(word).write_text('builtin = "car-mirror"\nname = "car-mirror"\n' + VIEWS)
+    small = SMALL if words[0] in ("render", "compare", "turntable") else ()
+    small = (*small, "--frames", "2") if words[0] == "turntable" else small
     assert cli.main([*words, *small]) == 0, capsys.readouterr().err
     outputs = re.findall(r"(?:-o|--json|--html) (\S+)|=(\S+\.npy)", line)
     assert all(Path(first or second).stat().st_size for first, second in outputs)

@@ -22,7 +22,7 @@ from anamorph.srgb import encode_srgb
 from anamorph.turntable import save_turntable
 from anamorph.viewer.facts import Progress
 from anamorph.viewer.saving import Saving, comparison_page, free_name, save_picture
-from anamorph.viewer.turntable import between, orbit, turntable
+from anamorph.viewer.turntable import orbit, turntable
 
 SIZE = (48, 32)
 CAMERA = Camera((1.0, 2.0, 5.0), (1.0, 1.5, 1.0), (0.1, 1.0, 0.0), 35.0)
@@ -140,41 +140,6 @@ def test_a_swing_goes_to_both_sides_and_back():
 def test_an_orbit_of_no_sense_is_refused(frames, swing):
     with pytest.raises(AnamorphError, match=r"^(frames|swing) is [^\n]*$"):
         orbit(CAMERA, frames, swing)
-
-
-places = st.tuples(*[st.floats(-5.0, 5.0)] * 3)
-
-
-@st.composite
-def cameras(draw: st.DrawFn) -> Camera:
-    target, away = draw(places), draw(st.tuples(st.floats(0.5, 3.0), st.floats(-3.0, 3.0), st.floats(-3.0, 3.0)))
-    sign = draw(st.sampled_from((1.0, -1.0)))
-    x, y, z = (at + sign * by for at, by in zip(target, away, strict=True))
-    return Camera((x, y, z), target, field_of_view=draw(st.floats(1.0, 120.0)))
-
-
-@given(st.lists(cameras(), min_size=1, max_size=4), st.integers(0, 12))
-def test_a_path_passes_its_views_and_is_sound_between_them(views, more):
-    between_views = 4
-    frames = between_views * (len(views) - 1) + 1
-    path = between(views, frames)
-    assert len(path) == frames and path[::between_views] == views
-    for camera in between(views, len(views) + more):
-        axes = camera.axes()
-        assert axes @ axes.T == pytest.approx(np.eye(3), abs=1e-9)
-        distance = np.linalg.norm(np.subtract(camera.target, camera.position))
-        least, most = ([np.linalg.norm(np.subtract(v.target, v.position)) for v in views] for _ in range(2))
-        assert min(least) * (1 - 1e-9) <= distance <= max(most) * (1 + 1e-9)
-        assert 1.0 - 1e-9 <= camera.field_of_view <= 120.0 * (1 + 1e-9)
-
-
-def test_a_path_stands_still_for_a_moment_in_each_view():
-    views = [CAMERA, replace(CAMERA, position=(4.0, 2.0, 3.0)), replace(CAMERA, position=(1.0, 4.0, -3.0))]
-    positions = np.array([camera.position for camera in between(views, 201)])
-    steps = np.linalg.norm(np.diff(positions, axis=0), axis=1)
-    assert max(steps[0], steps[99], steps[100], steps[199]) < 0.05 * steps.max()
-    with pytest.raises(AnamorphError, match="at least one"):
-        between([], 3)
 
 
 def test_a_series_holds_each_frame_as_render_draws_it(tmp_path):

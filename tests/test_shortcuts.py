@@ -45,6 +45,7 @@ def after(name, *modifiers, state=STATE, home=HOME):
         (key("o", "Meta"), {"opening": ""}),
         (key("s"), {"split": True}),
         (key("x"), {"first": STATE.second, "second": STATE.first}),
+        (key("k"), {"views": (CAMERA,)}),
         (key("u"), {"unit": "px"}),
         (key("w"), {"drawings": {Drawing.WIREFRAME}}),
         (key("h"), {"drawings": {Drawing.HITS}}),
@@ -146,6 +147,7 @@ def test_the_view_resets_alone(name):
 
 def test_everything_resets_but_the_panel():
     state = replace(MOVED, panel=False, split=True, divider=0.9, values={"a": 1.0}, unit="px", picked=(0.1, 0.2))
+    state = replace(state, views=(CAMERA, MOVED.camera))
     assert after("R", "Shift", state=state) == replace(STATE, panel=False)
 
 

@@ -26,6 +26,7 @@ from anamorph.viewer.reports import report
 from anamorph.viewer.starting import start
 from anamorph.viewer.state import Half, State
 from anamorph.viewer.tasks import SWING
+from anamorph.viewer.turntable import LEG, RATE
 
 ROOT = Path(__file__).resolve().parents[1]
 GUIDE = (ROOT / "docs" / "viewer.md").read_text()
@@ -63,6 +64,7 @@ def test_every_mark_status_and_drawing_is_explained():
 def test_what_can_be_saved_is_told():
     assert [row[0] for row in table("what")] == [title for _, title, _ in SAVED]
     assert f"swings {SWING:g} degrees" in PROSE
+    assert f"in {LEG / RATE:g} seconds from one to the next" in PROSE
 
 
 def test_numbers_of_fluency_are_the_codes():

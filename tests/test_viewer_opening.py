@@ -232,12 +232,15 @@ def test_halves_layers_and_split_are_carried_over_and_the_eye_is_not() -> None:
         observer=old.camera,
         values={"mirror/swivel": 3.0},
         picked=(0.5, 0.5),
+        picked_outside=True,
+        views=(old.camera,),
         opening="spheres",
         samples=2,
         unit="px",
     )
     beginning = start("spheres")
-    kept = replace(set_there, camera=beginning.state.camera, observer=None, values={}, picked=None, opening=None)
+    left = {"observer": None, "values": {}, "picked": None, "picked_outside": False, "opening": None, "views": ()}
+    kept = replace(set_there, camera=beginning.state.camera, **left)
     assert carried_over(set_there, beginning) == kept
     glass = start("magnifier")
     through = carried_over(set_there, glass)
@@ -247,5 +250,6 @@ def test_halves_layers_and_split_are_carried_over_and_the_eye_is_not() -> None:
 def test_a_saved_view_brings_its_own(tmp_path: Path) -> None:
     beginning = start("flat-mirror")
     kept = replace(beginning.state, first=Half("environment", Layer.ERROR), values={"mirror/tilt": 2.0}, divider=0.2)
+    kept = replace(kept, views=(kept.camera, replace(kept.camera, field_of_view=30.0)))
     save_scene(tmp_path / "view.toml", beginning.opened, kept, (320, 200))
     assert carried_over(replace(beginning.state, split=True), start(tmp_path / "view.toml")) == kept

@@ -21,7 +21,7 @@ from anamorph.viewer.home import first_observer
 from anamorph.viewer.layout import picture_area
 from anamorph.viewer.panel import report
 from anamorph.viewer.panel.methods import DRAWINGS, LAYERS, RESOLUTIONS, SAMPLES, UNITS, specification
-from anamorph.viewer.panel.report import SAVED
+from anamorph.viewer.panel.report import PATHS, SAVED
 from anamorph.viewer.panel.scene import SIDES
 from anamorph.viewer.panel.wording import decimals, figure, number_text
 from anamorph.viewer.shortcuts import SHORTCUTS
@@ -29,7 +29,7 @@ from anamorph.viewer.state import Drawing, EyeSide, Half, Layer, State
 
 SIZE = (800, 600)
 SIZES = [((640, 480), 1.0), ((800, 600), 2.0), ((1280, 720), 1.0), ((1920, 1080), 1.0)]
-FOLDED = ("section/space", "section/quality", "section/save", "section/timing")
+FOLDED = ("section/views", "section/space", "section/quality", "section/save", "section/timing")
 BOXES = {"panel", "panel/body", "status", "notice", "help", "divider", "first/caption", "second/caption"}
 BOXES |= {f"{half}/{legend}" for half in ("first", "second") for legend in ("scale", "statuses")}
 
@@ -90,7 +90,11 @@ def pressed(stage: Stage, *keys: str) -> State:
         (["opening/show", "opening/show"], {}),
         (["help/show", "help/close"], {}),
         *((["section/space", f"space/{each}"], {"drawings": frozenset({each})}) for each in Drawing),
-        *((["section/save", request], {}) for request, _, _ in SAVED),
+        (["section/views", "views/remember"], {"views": (CAMERA,)}),
+        (["section/views", "views/remember", "views/0/forget"], {}),
+        (["section/views", "views/remember", "views/clear"], {}),
+        (["section/views", "views/clear"], {}),
+        *((["section/save", request], {}) for request, _, _ in SAVED if request not in PATHS),
     ],
     ids=lambda value: value[-1] if isinstance(value, list) else "",
 )
@@ -110,6 +114,19 @@ def test_widgets_that_only_sometimes_show_change_their_own_field_too(opened) -> 
     state = pressed(stage, "first/layer/error", "unit/px")
     assert (state.first.layer, state.unit) == (Layer.ERROR, "px")
     assert pressed(stage, "inspection/clear") == replace(state, picked=None)
+
+
+def test_views_are_shown_again_forgotten_and_gone_through(opened) -> None:
+    views = (CAMERA, replace(CAMERA, field_of_view=30.0), Camera((1.0, 1.5, 2.0), (0.0, 0.5, 0.0)))
+    stage = opened(views=views[:1])
+    start = pressed(stage, "section/views", "section/save", *PATHS)
+    assert stage.requests == [], "a path needs two"
+    stage.state = start = replace(start, views=views, eye=EyeSide.LEFT)
+    stage.frames(2)
+    moved = replace(start, camera=views[2], eye=EyeSide.MIDDLE)
+    assert pressed(stage, "views/2") == moved
+    assert pressed(stage, "views/1/forget") == replace(moved, views=(views[0], views[2]))
+    assert pressed(stage, *PATHS) == stage.state and stage.requests == list(PATHS)
 
 
 def test_looking_on_from_outside_and_back(opened, scene) -> None:
@@ -237,6 +254,7 @@ TOLD = {
 def test_nothing_overlaps_and_all_lies_in_the_canvas_or_the_scrolled_panel(opened, size, ratio) -> None:
     first, second = Half("environment", Layer.STATUS), Half("pervertex:refine=3,wide=cube", Layer.ERROR)
     stage = opened(size, ratio, told=TOLD, split=True, first=first, second=second, picked=(0.5, 0.5))
+    stage.state = replace(stage.state, views=(CAMERA, replace(CAMERA, position=(-12345.678,) * 3)))
     stage.press("first/options")
     pressed(stage, *FOLDED)
     found, canvas = stage.drawn.rectangles, (0.0, 0.0, *map(float, size))

@@ -26,7 +26,7 @@ from anamorph.scene.toml import toml_text
 from anamorph.scene.viewfile import Opened, Source, open_view, save_view
 from anamorph.viewer.controls import edited, part_edits, scene_controls
 from anamorph.viewer.saving import save_scene
-from anamorph.viewer.state import Drawing, EyeSide, Half, Layer, State
+from anamorph.viewer.state import Drawing, EyeSide, Half, Layer, State, looking_into
 from anamorph.viewer.views import state_of, values_of, view_of
 
 SIZE = (640, 480)
@@ -45,8 +45,13 @@ def cameras(draw: st.DrawFn) -> Camera:
     return Camera(position, (x, y, z), (0.0, draw(st.sampled_from((1.0, 2.0**-30))), 0.0), draw(st.floats(0.01, 179.0)))
 
 
+def looked(state: State, picked: tuple[float, float] | None, outside: bool) -> State:
+    """Looked into by who looks, or by the eye alone."""
+    return looking_into(state, picked) if outside else replace(state, picked=picked)
+
+
 states = st.builds(
-    State,
+    lambda picked, outside, **others: looked(State(**others), picked, outside),
     camera=cameras(),
     first=st.builds(Half, methods, st.sampled_from(Layer)),
     second=st.builds(Half, methods, st.sampled_from(Layer)),
@@ -61,6 +66,8 @@ states = st.builds(
     panel=st.booleans(),
     help=st.booleans(),
     picked=st.none() | st.tuples(shares, shares),
+    outside=st.booleans(),
+    views=st.lists(cameras(), max_size=3).map(tuple),
 )
 
 values_of_toml = st.recursive(
@@ -294,6 +301,12 @@ def test_a_name_that_is_also_a_pattern_is_none_of_a_view(tmp_path: Path) -> None
         (VIEW + "picked = [0.5]\n", 6, ["picked", "two shares"]),
         (VIEW + "picked = [0.5, 2]\n", 6, ["picked", "from 0 to 1"]),
         (VIEW + "picked = [nan, 0.5]\n", 6, ["picked", "from 0 to 1"]),
+        (VIEW + "picked_outside = 1\n", 6, ["picked_outside is 1", "true or false"]),
+        (VIEW + "picked_outside = true\n", 6, ["picked_outside needs picked", "leave picked_outside out"]),
+        (VIEW + "picked = [0.5, 0.5]\npicked_outside = true\n", 7, ["picked_outside needs observer"]),
+        (VIEW + "views = 3\n", 6, ["views is 3", "[[views]]"]),
+        (VIEW + "views = [{ position = [0, 0, 1] }]\n", 6, ["views needs the key 'target'"]),
+        (VIEW + "[[view.views]]\nposition = [0, 0, 1]\ntarget = [0, 0]\n", 8, ["target", "three numbers"]),
         (VIEW + "observer = 3\n", 6, ["observer", "[observer]"]),
         (VIEW + "observer = { position = [0, 0, 1] }\n", 6, ["observer needs the key 'target'"]),
         (VIEW.replace("[1, 0, 0]", "[1, 0]"), 4, ["turn", "three numbers"]),
@@ -329,6 +342,10 @@ def test_a_mistake_in_a_view_is_named_with_its_line_and_key(
             'base = "box.glb"\n[view]\nobserver = { position = [0, 0, 0], target = [0, 0, 0] }',
             ["observer", "same point"],
         ),
+        (
+            'base = "box.glb"\n[view]\nviews = [{ position = [0, 0, 1], target = [0, 0, 0], up = [0, 0, 2] }]',
+            ["number 1 of views", "along the view"],
+        ),
         ('base = "box.glb"\n[eye]\nposition = [0, 0, 0]\ntarget = [0, 0, 0]\n[view]', ["eye", "same point"]),
     ],
 )
@@ -350,7 +367,7 @@ def test_the_documented_view_opens_and_every_key_is_documented(tmp_path: Path) -
     (tmp_path / "view.toml").write_text(text.split("```toml\n")[1].split("```")[0])
     state = state_of(open_view(tmp_path / "view.toml"))
     assert (state.split, state.divider, state.values) == (True, 0.6, {"mirror/swivel": 3.0})
-    observed = replace(state, observer=state.camera, picked=(0.5, 0.5))
+    observed = replace(state, observer=state.camera, picked=(0.5, 0.5), views=(state.camera,))
     assert [key for key in view_of(observed) if f"`{key}`" not in text] == []
 
 

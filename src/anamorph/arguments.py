@@ -31,6 +31,7 @@ EXAMPLES = """examples:
   anamorph view
   anamorph view mirror.step --scene car-mirror
   anamorph turntable car-mirror -o mirror.webm --swing 20
+  anamorph turntable car-mirror-1.toml --path -o path.webm
   anamorph turntable model.glb -o frames --frames 36 --size 800x600 --samples 2
   anamorph bench deforming
   anamorph bench trilinear --output times
@@ -181,15 +182,19 @@ def make_parser() -> argparse.ArgumentParser:
     view.add_argument("--port", metavar="N", type=_port, default=0, help="of the page (0: any that is free)")
     view.add_argument("--size", metavar="WxH", type=_size, help="size of the window, like 1280x720")
 
-    turntable = command("turntable", "save a video of the eye going once round what it looks at, or to and fro")
+    turntable = command("turntable", "save a video of the eye going round what it looks at, or through several views")
     turntable.add_argument("scene", metavar="SCENE|MODEL", help=scene)
     turntable.add_argument("-m", "--method", metavar="METHOD", help=method)
     videos = f"{', '.join(VIDEOS)}, or without a suffix a folder for numbered PNG pictures"
     turntable.add_argument("-o", "--output", metavar="FILE|DIR", type=Path, required=True, help=f"the video: {videos}")
     turntable.add_argument("--size", metavar="WxH", type=_size, help=size)
-    turntable.add_argument("--frames", metavar="N", type=_frames, default=120, help="how many, 30 a second (120)")
+    frames = "how many, 30 a second (120; on a path 60 from one view to the next)"
+    turntable.add_argument("--frames", metavar="N", type=_frames, help=frames)
+    course = turntable.add_mutually_exclusive_group()
     swing = "go this far to either side and back, not all the way round: behind a mirror there is little to see"
-    turntable.add_argument("--swing", metavar="DEG", type=_swing, help=swing)
+    course.add_argument("--swing", metavar="DEG", type=_swing, help=swing)
+    path = "go through the views that were remembered in the viewer, as the scene file that it saved keeps them"
+    course.add_argument("--path", action="store_true", help=path)
     turntable.add_argument("--samples", metavar="N", type=_samples, default=1, help="N x N samples a pixel (1)")
 
     bench = commands.add_parser("bench", help="time methods against the ray tracer", allow_abbrev=False)

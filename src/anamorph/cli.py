@@ -165,6 +165,7 @@ def _turntable(arguments: argparse.Namespace) -> None:
         arguments.size,
         arguments.frames,
         arguments.swing,
+        arguments.path,
         arguments.samples,
         choice=_face_choice(arguments),
         mirror_of=arguments.mirror_of,

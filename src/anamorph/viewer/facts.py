@@ -23,6 +23,8 @@ class Request(StrEnum):
     SAVE_COMPARISON = "save-comparison"
     SAVE_TURNTABLE = "save-turntable"
     SAVE_TURNTABLE_SERIES = "save-turntable-series"
+    SAVE_PATH = "save-path"
+    SAVE_PATH_SERIES = "save-path-series"
     CANCEL = "cancel"
     DISMISS = "dismiss"
 

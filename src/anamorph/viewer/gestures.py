@@ -18,7 +18,7 @@ import numpy as np
 from anamorph.scene.camera import Camera
 from anamorph.viewer.home import Home, reset_view
 from anamorph.viewer.navigation import look, magnify, orbit, pan, steer, zoom
-from anamorph.viewer.state import State
+from anamorph.viewer.state import State, looking_into
 
 GESTURES: tuple[tuple[str, str], ...] = (
     ("Drag", "orbit"),
@@ -219,10 +219,12 @@ def _double_click(event: Event, state: State, size: Size, home: Home) -> State:
 
 def _picked(state: State, point: Point, size: Size) -> State:
     width, height = _sides(size)
-    if state.picked is not None and _apart(point, (state.picked[0] * width, state.picked[1] * height)) <= CLICK_REACH:
-        return replace(state, picked=None)
+    # From outside, the eye's point is none of the picture that is clicked into.
+    here = state.picked if state.picked_outside is (state.observer is not None) else None
+    if here is not None and _apart(point, (here[0] * width, here[1] * height)) <= CLICK_REACH:
+        return looking_into(state, None)
     x, y = np.clip(np.divide(point, (width, height)), 0.0, 1.0).tolist()
-    return replace(state, picked=(x, y))
+    return looking_into(state, (x, y))
 
 
 def _divided(grip: Grip, state: State, point: Point, size: Size) -> tuple[Grip, State]:

@@ -4,13 +4,15 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+from anamorph.frame import Frame, View
+from anamorph.methods import parse
 from anamorph.scene.camera import Camera
 from anamorph.viewer.facts import Inspection
 from anamorph.viewer.inspection import inspect, trace_path
-from anamorph.viewer.measured import Measured
+from anamorph.viewer.measured import Measured, measure_half
 from anamorph.viewer.showing import Showing
 from anamorph.viewer.space import Space
-from anamorph.viewer.state import TRUTH, State, looking_eye
+from anamorph.viewer.state import TRUTH, State, looking_eye, shown_camera
 
 Size = tuple[int, int]
 
@@ -49,8 +51,11 @@ class Looking:
         """
         if state.picked is None:
             self.inspection = self._picked = None
-        elif self.inspection is not None and self._by_eye and state.observer and state.picked == self._picked:
-            self._follow(space, looking_eye(state))
+        elif state.observer is not None and not state.picked_outside:
+            if self._by_eye and state.picked == self._picked:
+                self._follow(space, looking_eye(state))
+            elif showing.at_rest:
+                self._look_by_eye(space, state, size)
         elif showing.at_rest:
             self._look(space, state, size, showing)
         return self.inspection
@@ -62,16 +67,38 @@ class Looking:
             found = replace(self.inspection, path=path, truth=path[-1].name, angular_mrad=None, pixels=None)
             self.inspection, self._traced = found, (space, eye)
 
+    def _look_by_eye(self, space: Space, state: State, size: Size) -> None:
+        """Look from outside into a pixel of the eye's, for which its picture is drawn once: a saved view opens so."""
+        # What fails is told of once, and not tried again at every frame.
+        self.inspection, self._picked, self._by_eye = None, state.picked, True
+        method, eye = _method(state), looking_eye(state)
+        view = View(space.scene, eye, size)
+        frames = {name: _seen(view, name) for name in (TRUTH, method)}
+        self._found(space, state, eye, size, measure_half(frames[TRUTH], frames[method]))
+
     def _look(self, space: Space, state: State, size: Size, showing: Showing) -> None:
+        measured = showing.measured.get(_method(state))
+        if measured is not None and not (measured is self._measured and state.picked == self._picked):
+            self._found(space, state, shown_camera(state), size, measured)
+
+    def _found(self, space: Space, state: State, camera: Camera, size: Size, seen: Measured) -> None:
         assert state.picked is not None
         x, y = state.picked
-        beyond = state.split and x >= state.divider
-        method = (state.second if beyond else state.first).method
-        measured = showing.measured.get(method)
-        if measured is None or (measured is self._measured and state.picked == self._picked):
-            return
-        camera, truth = state.observer or looking_eye(state), showing.frames[TRUTH]
         pixel = min(int(x * size[0]), size[0] - 1), min(int(y * size[1]), size[1] - 1)
-        self.inspection = inspect(space, camera, size, pixel, method, measured.frame, truth, measured.maps)
-        self._picked, self._measured, self._size = state.picked, measured, size
-        self._by_eye, self._traced = state.observer is None, (space, camera)
+        self.inspection = inspect(space, camera, size, pixel, _method(state), seen.frame, seen.truth, seen.maps)
+        self._picked, self._measured, self._size = state.picked, seen, size
+        self._by_eye, self._traced = not state.picked_outside, (space, camera)
+
+
+def _seen(view: View, specification: str) -> Frame:
+    method, options = parse(specification)
+    session = method.open(view, options)
+    session.draw(view.camera)
+    return session.frame(seen=True)
+
+
+def _method(state: State) -> str:
+    """Of the half that is looked into."""
+    assert state.picked is not None
+    beyond = state.split and state.picked[0] >= state.divider
+    return (state.second if beyond else state.first).method

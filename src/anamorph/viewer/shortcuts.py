@@ -13,7 +13,8 @@ from anamorph.viewer.facts import Request
 from anamorph.viewer.home import Home, reset_view
 from anamorph.viewer.navigation import orbit, steer, zoom
 from anamorph.viewer.observer import first_observer
-from anamorph.viewer.state import Drawing, EyeSide, Half, Layer, State
+from anamorph.viewer.remembered import remember
+from anamorph.viewer.state import Drawing, EyeSide, Half, Layer, State, looking_into, watched_by
 
 TURN = float(np.radians(5.0))
 """How far an arrow key goes around the target, radians."""
@@ -130,7 +131,11 @@ def _next_eye(state: State, home: Home) -> State:
 
 
 def _toggle_observer(state: State, home: Home) -> State:
-    return replace(state, observer=first_observer(home.scene, state.camera) if state.observer is None else None)
+    return watched_by(state, first_observer(home.scene, state.camera) if state.observer is None else None)
+
+
+def _remember(state: State, home: Home) -> State:
+    return remember(state)
 
 
 def _orbit(state: State, home: Home, right: float, up: float) -> State:
@@ -151,7 +156,7 @@ def _clear(state: State, home: Home) -> State:
     """What lies on top first: it hides the rest."""
     if state.help:
         return replace(state, help=False)
-    return replace(state, picked=None) if state.opening is None else replace(state, opening=None)
+    return looking_into(state, None) if state.opening is None else replace(state, opening=None)
 
 
 def _reset(state: State, home: Home) -> State:
@@ -175,6 +180,7 @@ SHORTCUTS: tuple[Shortcut, ...] = (
     Shortcut(("-",), "View", "farther", partial(_zoom, factor=1.0 / NEARER)),
     Shortcut(("E",), "View", "left, middle or right eye", _next_eye),
     Shortcut(("O",), "View", "look from outside", _toggle_observer),
+    Shortcut(("K",), "View", "remember the view", _remember),
     Shortcut(("S",), "Halves", "split the picture", _toggle_split),
     Shortcut(("X",), "Halves", "swap the halves", _swap),
     Shortcut(("M",), "Halves", "next method, first half", partial(_next_method, half="first")),

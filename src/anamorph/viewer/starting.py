@@ -81,6 +81,8 @@ def carried_over(state: State, beginning: Start) -> State:
         observer=None,
         values=beginning.state.values,
         picked=None,
+        picked_outside=False,
+        views=beginning.state.views,
         opening=None,
     )
 

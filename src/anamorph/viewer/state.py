@@ -86,6 +86,10 @@ class State:
         What is typed so far to name another scene; None while none is asked for.
     picked : (x, y) or None
         The point of the picture that is looked into, as shares of its width and height from the top left.
+    picked_outside : bool
+        Whether that is the observer's picture, and not the eye's; only while there are both.
+    views : tuple of Camera
+        What has been remembered, each as `shown_camera` gave it; a path goes through them in their order.
     """
 
     camera: Camera
@@ -104,6 +108,8 @@ class State:
     help: bool = False
     opening: str | None = None
     picked: tuple[float, float] | None = None
+    picked_outside: bool = False
+    views: tuple[Camera, ...] = ()
 
     @property
     def halves(self) -> tuple[Half, ...]:
@@ -123,3 +129,14 @@ def looking_eye(state: State) -> Camera:
 def shown_camera(state: State) -> Camera:
     """Where the picture is taken from: the eye that looks, or the observer."""
     return state.observer or looking_eye(state)
+
+
+def looking_into(state: State, picked: tuple[float, float] | None) -> State:
+    """The state with a point of the shown picture looked into, or none: it is whose picture that is."""
+    return replace(state, picked=picked, picked_outside=picked is not None and state.observer is not None)
+
+
+def watched_by(state: State, observer: Camera | None) -> State:
+    """The state with an observer, or without: a point of an observer's picture goes when he does."""
+    seen = replace(state, observer=observer)
+    return looking_into(seen, None) if observer is None and state.picked_outside else seen

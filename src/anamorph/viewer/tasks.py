@@ -2,25 +2,26 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
 
+from anamorph.scene.camera import Camera
 from anamorph.scene.model import Scene
 from anamorph.scene.viewfile import Opened
 from anamorph.viewer.facts import Progress, Request
 from anamorph.viewer.saving import Saving, comparison_page, free_name, save_picture, save_scene
 from anamorph.viewer.showing import Showing
 from anamorph.viewer.state import State, looking_eye, shown_camera
-from anamorph.viewer.turntable import orbit, turntable
+from anamorph.viewer.turntable import between, orbit, turntable
 
 SWING = 20.0
 """Degrees to either side that the eye goes in a turntable; an observer goes all the way round."""
 
 MOST_SAMPLES = 2
-"""A side, of a turntable's frames: it has many."""
+"""A side, of a video's frames: it has many."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -64,10 +65,16 @@ def saving_of(request: Request, shot: Shot, directory: Path) -> Saving:
             return comparison_page(name(".html"), scene, methods, size, "anamorph view")
         case Request.SAVE_TURNTABLE | Request.SAVE_TURNTABLE_SERIES:
             cameras = orbit(shown_camera(state), swing=None if state.observer else SWING)
-            path = name(".webm" if request is Request.SAVE_TURNTABLE else "")
-            samples = min(state.samples, MOST_SAMPLES)
-            return turntable(path, shot.scene, state.first.method, cameras, size, samples)
+            return _filmed(shot, cameras, name(".webm" if request is Request.SAVE_TURNTABLE else ""))
+        case Request.SAVE_PATH | Request.SAVE_PATH_SERIES:
+            return _filmed(shot, between(state.views), name(".webm" if request is Request.SAVE_PATH else ""))
     return _once_refined(shot, lambda: save_picture(name(".png"), shot.pixels()))
+
+
+def _filmed(shot: Shot, cameras: Sequence[Camera], path: Path) -> Saving:
+    """What the first half's method shows to cameras one after another."""
+    samples = min(shot.state.samples, MOST_SAMPLES)
+    return turntable(path, shot.scene, shot.state.first.method, cameras, shot.size, samples)
 
 
 def _at_once(save: Callable[[], str]) -> Saving:

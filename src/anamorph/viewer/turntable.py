@@ -8,7 +8,7 @@ from functools import partial
 from pathlib import Path
 
 import numpy as np
-from scipy.spatial.transform import Rotation, Slerp
+from scipy.spatial.transform import Rotation
 
 from anamorph.errors import AnamorphError
 from anamorph.frame import View
@@ -20,9 +20,15 @@ from anamorph.scene.model import Scene
 from anamorph.steps import retold
 from anamorph.video import MOST_FRAMES, check_video, video
 from anamorph.viewer.facts import Progress
+from anamorph.viewer.remembered import LEAST
 from anamorph.viewer.saving import Saving, saved
 
 FRAMES = 120
+"""Of a turntable."""
+
+LEG = 60
+"""Frames from one view of a path to the next."""
+
 RATE = 30.0
 """Frames a second."""
 
@@ -43,38 +49,62 @@ def orbit(camera: Camera, frames: int = FRAMES, swing: float | None = None) -> l
     return [camera, *(_moved(camera, np.add(camera.target, offset)) for offset in offsets[1:])]
 
 
-def between(views: Sequence[Camera], frames: int = FRAMES) -> list[Camera]:
+def between(views: Sequence[Camera], frames: int | None = None) -> list[Camera]:
     """Cameras that go through some views in equal times, and stand still for a moment in each.
 
-    The eye turns about its target on the way, its distance growing or shrinking evenly, so that it passes through
-    nothing that it looks at. The first and the last are the first and the last view.
+    On the way they orbit about their target, about the upward direction, so that a horizon that is level stays so; the
+    distance grows or shrinks evenly, so that they pass through nothing that they look at.
+
+    Parameters
+    ----------
+    views : sequence of Camera
+        The first and the last of them are the first and the last camera.
+    frames : int, optional
+        As many as there are views, or more; `LEG` from each view to the next, unless given.
     """
+    if len(views) < LEAST:
+        raise AnamorphError(f"a path goes through at least {LEAST} views, not {len(views)}; remember more of them")
+    frames = min(LEG * (len(views) - 1) + 1, MOST_FRAMES) if frames is None else frames
     _check_frames(frames)
-    if not views:
-        raise AnamorphError("a path needs a view; give at least one camera")
+    if frames < len(views):
+        raise AnamorphError(f"frames is {frames}; give at least {len(views)}, one for each view of the path")
     path = []
     for place in np.linspace(0.0, len(views) - 1, frames):
-        number = min(int(place), max(len(views) - 2, 0))
+        number = min(int(place), len(views) - 2)
         share = place - number
-        path.append(
-            _between(views[number], views[min(number + 1, len(views) - 1)], share * share * (3.0 - 2.0 * share))
-        )
+        path.append(_between(views[number], views[number + 1], share * share * (3.0 - 2.0 * share)))
     return path
 
 
 def _between(one: Camera, other: Camera, share: float) -> Camera:
     if share in (0.0, 1.0) or one == other:
         return other if share == 1.0 else one
-    # Right, up and backward: a right-handed frame, which is what a rotation is.
-    frames = [camera.axes() * [[1.0], [1.0], [-1.0]] for camera in (one, other)]
-    _, up, back = Slerp([0.0, 1.0], Rotation.from_matrix(frames))(share).as_matrix()
+    right, _, ahead = one.axes()
+    up, other_up = (np.divide(camera.up, np.linalg.norm(camera.up)) for camera in (one, other))
+    tilt = _tilt(up, other_up, right)
+    # Backward, from the targets to the eyes: about the first view's upward direction, and from its level up.
+    level = np.cross(right, up)
+    away = Rotation.from_rotvec(-tilt).apply(-other.axes()[2])
+    around = share * np.arctan2(away @ right, away @ level)
+    rises = [np.arctan2(back @ up, np.linalg.norm(np.cross(back, up))) for back in (-ahead, away)]
+    rise = (1.0 - share) * rises[0] + share * rises[1]
+    back = np.cos(rise) * (np.cos(around) * level + np.sin(around) * right) + np.sin(rise) * up
+    back, up = Rotation.from_rotvec(share * tilt).apply([back, up])
     target = (1.0 - share) * np.array(one.target) + share * np.array(other.target)
     first, last = (np.linalg.norm(np.subtract(each.target, each.position)) for each in (one, other))
-    distance = first ** (1.0 - share) * last**share
     x, y, z = target.tolist()
     up_x, up_y, up_z = up.tolist()
     field = one.field_of_view ** (1.0 - share) * other.field_of_view**share
-    return _moved(Camera((0.0, 0.0, 0.0), (x, y, z), (up_x, up_y, up_z), float(field)), target + distance * back)
+    still = Camera((x, y, z), (x, y, z), (up_x, up_y, up_z), float(field))
+    return _moved(still, target + first ** (1.0 - share) * last**share * back)
+
+
+def _tilt(up: np.ndarray, other: np.ndarray, right: np.ndarray) -> np.ndarray:
+    """The shortest rotation vector from an upward direction to another, about `right` where they are opposite."""
+    across = np.cross(up, other)
+    sine = np.linalg.norm(across)
+    axis = across / sine if sine > 1e-12 else right
+    return float(np.arctan2(sine, up @ other)) * axis
 
 
 def _moved(camera: Camera, position: np.ndarray) -> Camera:

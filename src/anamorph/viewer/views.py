@@ -44,7 +44,9 @@ def view_of(state: State) -> dict[str, Any]:
     if state.observer is not None:
         view["observer"] = eye_values(state.observer)
     if state.picked is not None:
-        view["picked"] = [float(share) for share in state.picked]
+        view |= {"picked": [float(share) for share in state.picked], "picked_outside": state.picked_outside}
+    if state.views:
+        view["views"] = [eye_values(each) for each in state.views]
     return view
 
 
@@ -62,7 +64,7 @@ def state_of(opened: Opened) -> State:
     plain = State(opened.camera, first, Half(TRUTH), values=values_of(opened.edits))
     if table is None:
         return plain
-    table.only(*view_of(plain), "observer", "picked")
+    table.only(*view_of(plain), "observer", "picked", "picked_outside", "views")
     return State(
         camera=opened.camera,
         first=Half(first.method, Layer(table.choice("layer", Layer, Layer.PICTURE))),
@@ -79,7 +81,18 @@ def state_of(opened: Opened) -> State:
         panel=table.flag("panel", plain.panel),
         help=table.flag("help", plain.help),
         picked=_picked(table),
+        picked_outside=_picked_outside(table),
+        views=views_of(table),
     )
+
+
+def views_of(table: Table | None) -> tuple[Camera, ...]:
+    """The remembered views that a [view] table keeps; none where there is no table."""
+    views = []
+    for number, each in enumerate([] if table is None else table.tables("views"), start=1):
+        views.append(camera_of(each))
+        check_camera(views[-1], f"{each.path}: number {number} of views")
+    return tuple(views)
 
 
 def values_of(edits: Mapping[str, Edit]) -> dict[str, float]:
@@ -128,3 +141,11 @@ def _picked(table: Table) -> tuple[float, float] | None:
     if not (0.0 <= x <= 1.0 and 0.0 <= y <= 1.0):
         table.wrong("picked", f"picked is {given!r}; give shares from 0 to 1")
     return (x, y)
+
+
+def _picked_outside(table: Table) -> bool:
+    outside = table.flag("picked_outside")
+    missing = [key for key in ("picked", "observer") if key not in table.values]
+    if outside and missing:
+        table.wrong("picked_outside", f"picked_outside needs {missing[0]}; give it too, or leave picked_outside out")
+    return outside

@@ -27,6 +27,7 @@ from anamorph.viewer.panel.report import (
 )
 from anamorph.viewer.panel.scene import eye_section, scene_section
 from anamorph.viewer.panel.sheet import Sheet, available, button, sign, text_width, to_column
+from anamorph.viewer.panel.views import views_section
 from anamorph.viewer.panel.wording import size_text
 from anamorph.viewer.state import EyeSide, State
 
@@ -128,11 +129,12 @@ def _sections(sheet: Sheet, state: State, facts: Facts) -> State:
     state = picture_section(sheet, state, facts)
     state = scene_section(sheet, state, facts)
     state = eye_section(sheet, state, facts)
+    state = views_section(sheet, state)
     state = inspection_section(sheet, state, facts)
     figures_section(sheet, state, facts)
     state = space_section(sheet, state)
     state = quality_section(sheet, state)
-    save_section(sheet, facts)
+    save_section(sheet, state, facts)
     timing_section(sheet, facts)
     return state
 
@@ -166,6 +168,7 @@ def _status_line(sheet: Sheet, state: State, facts: Facts) -> None:
         words.append(f"{facts.frame_ms:.0f} ms, {1000.0 / facts.frame_ms:.0f} pictures a second")
     words += ["from outside"] if state.observer is not None else []
     words += [f"{state.eye} eye"] if state.eye is not EyeSide.MIDDLE else []
+    words += [f"{len(state.views)} view{'s' * (len(state.views) > 1)} remembered"] if state.views else []
     while len(words) > 1 and text_width(SEPARATOR.join(words)) > available() - text_width(HELP) - 20.0:
         words.pop()
     imgui.text_colored(theme.FAINT, SEPARATOR.join(words))

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
 
 import numpy as np
 from imgui_bundle import imgui
@@ -13,19 +12,25 @@ from anamorph.viewer.facts import Facts, Figures, Inspection, Request
 from anamorph.viewer.panel import theme
 from anamorph.viewer.panel.sheet import Sheet, button, caption, field_width, row, section, wrapped
 from anamorph.viewer.panel.wording import NOT_MEASURED, figure, name_text, number_text, point_text, size_text
-from anamorph.viewer.state import Layer, State
+from anamorph.viewer.remembered import LEAST
+from anamorph.viewer.state import Layer, State, looking_into
 
 SAVED = (
     (Request.SAVE_PICTURE, "Picture", "The picture as it is seen, without the panel"),
     (Request.SAVE_SCENE, "Scene file", "A scene file that opens this very view again"),
-    (Request.SAVE_COMPARISON, "Comparison", "A page that compares the methods on this view, with error maps"),
     (
         Request.SAVE_TURNTABLE,
         "Turntable",
         "A video in which the eye swings to either side; from outside, it goes all the way round",
     ),
-    (Request.SAVE_TURNTABLE_SERIES, "PNG series", "The turntable as numbered pictures in a folder"),
+    (Request.SAVE_TURNTABLE_SERIES, "Turntable PNGs", "The turntable as numbered pictures in a folder"),
+    (Request.SAVE_PATH, "Path", "A video in which the eye goes through the remembered views, one after the other"),
+    (Request.SAVE_PATH_SERIES, "Path PNGs", "The path as numbered pictures in a folder"),
+    (Request.SAVE_COMPARISON, "Comparison", "A page that compares the methods on this view, with error maps"),
 )
+
+PATHS = Request.SAVE_PATH, Request.SAVE_PATH_SERIES
+TOO_FEW = "A path needs two remembered views (K)."
 
 UNASKED = "Choose Error above, or click into the picture, to have them measured."
 
@@ -44,7 +49,7 @@ def inspection_section(sheet: Sheet, state: State, facts: Facts) -> State:
     else:
         _inspection(facts.inspection)
     if state.picked and button(sheet, "inspection/clear", "Clear"):
-        state = replace(state, picked=None)
+        state = looking_into(state, None)
     return state
 
 
@@ -70,18 +75,21 @@ def figures_section(sheet: Sheet, state: State, facts: Facts) -> None:
         row(f"{name_text(name)}, %", *(_share(each, name) for each in figures))
 
 
-def save_section(sheet: Sheet, facts: Facts) -> None:
+def save_section(sheet: Sheet, state: State, facts: Facts) -> None:
     """What can be saved."""
     if not section(sheet, "section/save", "Save", opened=False):
         return
     width = (field_width() - 6.0) / 2.0
-    imgui.begin_disabled(facts.progress is not None)
+    few = len(state.views) < LEAST
     for number, (request, text, summary) in enumerate(SAVED):
         if number % 2:
             imgui.same_line(0.0, 6.0)
-        if button(sheet, request, text, summary, width):
+        imgui.begin_disabled(facts.progress is not None or (few and request in PATHS))
+        if button(sheet, request, text, TOO_FEW if few and request in PATHS else summary, width):
             sheet.requests.append(request)
-    imgui.end_disabled()
+        imgui.end_disabled()
+    if few:
+        caption(TOO_FEW)
 
 
 def timing_section(sheet: Sheet, facts: Facts) -> None:

@@ -14,7 +14,7 @@ from anamorph.viewer.home import first_observer
 from anamorph.viewer.panel.fields import number
 from anamorph.viewer.panel.sheet import Sheet, button, caption, checkbox, choice, fold, section
 from anamorph.viewer.panel.wording import number_text
-from anamorph.viewer.state import EyeSide, State
+from anamorph.viewer.state import EyeSide, State, watched_by
 
 SIDES = ((EyeSide.LEFT, "Left"), (EyeSide.MIDDLE, "Middle"), (EyeSide.RIGHT, "Right"))
 
@@ -68,7 +68,7 @@ def eye_section(sheet: Sheet, state: State, facts: Facts) -> State:
         "Take the picture from aside, to see the eye, the mirror and the rays between them",
     )
     if outside != (state.observer is not None):
-        state = replace(state, observer=first_observer(facts.scene, camera) if outside else None)
+        state = watched_by(state, first_observer(facts.scene, camera) if outside else None)
     if (camera != home or state.eye is not EyeSide.MIDDLE) and button(sheet, "eye/reset", "Reset the eye"):
         state = replace(state, camera=home, eye=EyeSide.MIDDLE)
     return state

@@ -24,7 +24,7 @@ class Page:
     def __init__(self, widget: Any) -> None:
         self.widget, self.pictures = widget, []
         widget.send = self.receive
-        widget._has_visible_views = True
+        widget._views, widget._has_visible_views = 1, True
         self.say("resize", width=SIZE[0], height=SIZE[1], pwidth=SIZE[0], pheight=SIZE[1], ratio=1.0)
 
     def receive(self, message: dict[str, Any], buffers: list[bytes]) -> None:

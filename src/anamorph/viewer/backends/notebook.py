@@ -13,9 +13,11 @@ from anamorph.viewer.starting import Start
 
 
 def in_notebook() -> bool:
-    """Whether this Python is a notebook's kernel."""
-    shell = sys.modules.get("IPython")
-    return shell is not None and getattr(shell.get_ipython(), "kernel", None) is not None
+    """Whether this Python is a notebook's kernel: Jupyter's, or marimo's."""
+    shell, marimo = sys.modules.get("IPython"), sys.modules.get("marimo")
+    if shell is not None and getattr(shell.get_ipython(), "kernel", None) is not None:
+        return True
+    return marimo is not None and marimo.running_in_notebook()
 
 
 def make_widget(beginning: Start, size: tuple[int, int]) -> Any:

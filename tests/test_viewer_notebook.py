@@ -39,13 +39,13 @@ class Page:
         self.threads: set[threading.Thread] = set()
         self._submit = widget.submit_event
         widget.send, widget.submit_event = self.receive, self.submit
+        widget.add_event_handler(lambda event: self.threads.add(threading.current_thread()), "before_draw")
         self.set("_has_visible_views", True)
         self.set("_views", 1)
         self.say("resize", width=SIZE[0], height=SIZE[1], pwidth=SIZE[0], pheight=SIZE[1], ratio=1.0)
 
     def receive(self, message: dict[str, Any], buffers: list[bytes]) -> None:
         if message["type"] == "framebufferdata":
-            self.threads.add(threading.current_thread())
             self.pictures.append(np.asarray(Image.open(io.BytesIO(buffers[0])).convert("RGB")).astype(float))
             self.set(
                 "_frame_feedback", {"index": message["index"], "timestamp": message["timestamp"], "localtime": 0.0}
@@ -142,7 +142,7 @@ def test_a_viewer_that_nobody_sees_is_let_go_of_and_goes_on_where_it_was(monkeyp
         await until(gone)
         assert widget.get_wgpu_context().get_configuration() is None
         page.pictures.clear()
-        page.drag()
+        page.say("pointer_leave", x=0, y=0, buttons=[], **POINTER)
         page.set("_views", 1)
         again = await page.picture_like(show)
         assert share_changed(again, first) > 0.05
@@ -186,6 +186,12 @@ MODEL = """async (code) => {
   window.leave = ['one', 'two'].map((name) => render({ model, el: document.getElementById(name) }))
 }"""
 
+KEYS = """() => {
+  window.taken = {}
+  const later = (event) => setTimeout(() => { window.taken[event.key] = event.defaultPrevented })
+  window.addEventListener('keydown', later, { capture: true })
+}"""
+
 
 @needs_chromium
 def test_the_widget_tells_of_its_views_takes_two_fingers_and_keeps_its_keys():
@@ -199,12 +205,15 @@ def test_the_widget_tells_of_its_views_takes_two_fingers_and_keeps_its_keys():
         page.add_style_tag(content=str(Widget._css))
         page.evaluate(MODEL, str(Widget._esm))
         assert page.evaluate("traits._views") == 2
+        page.evaluate(KEYS)
         page.mouse.click(150, 100)
         page.wait_for_function("document.activeElement.tagName === 'INPUT'")
         page.wait_for_timeout(300)
         for key in ("Tab", "F1", "Control+s", "Control+o", "w"):
             page.keyboard.press(key)
         assert page.evaluate("document.activeElement.tagName") == "INPUT"
+        page.wait_for_function("taken.w === false")
+        assert {key for key, taken in page.evaluate("taken").items() if taken} == {"Tab", "F1", "s", "o"}
         told = page.evaluate("said.filter((event) => event.type === 'key_down').map((event) => event.key)")
         assert [key for key in told if key != "Control"] == ["Tab", "F1", "s", "o", "w"]
         devices = page.context.new_cdp_session(page)
@@ -212,7 +221,9 @@ def test_the_widget_tells_of_its_views_takes_two_fingers_and_keeps_its_keys():
         devices.send("Input.dispatchTouchEvent", {"type": "touchStart", "touchPoints": fingers})
         page.wait_for_function("said.at(-1).ntouches === 2")
         left, right = page.evaluate("Object.values(said.at(-1).touches)")
-        assert (right["x"] - left["x"], right["y"] - left["y"]) == (140, 40)
+        place = page.locator("img").first.bounding_box()
+        assert (left["x"] + place["x"], left["y"] + place["y"]) == (60, 80)
+        assert (right["x"] + place["x"], right["y"] + place["y"]) == (200, 120)
         page.evaluate("leave[0]()")
         assert page.evaluate("traits._views") == 1
         page.evaluate("end()")

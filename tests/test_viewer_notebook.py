@@ -40,9 +40,13 @@ class Page:
         self._submit = widget.submit_event
         widget.send, widget.submit_event = self.receive, self.submit
         widget.add_event_handler(lambda event: self.threads.add(threading.current_thread()), "before_draw")
-        self.set("_has_visible_views", True)
+
+    async def open(self) -> None:
         self.set("_views", 1)
         self.say("resize", width=SIZE[0], height=SIZE[1], pwidth=SIZE[0], pheight=SIZE[1], ratio=1.0)
+        # So that it is the page which has the first picture drawn.
+        await until(lambda: self.widget._rfb_draw_requested)
+        self.set("_has_visible_views", True)
 
     def receive(self, message: dict[str, Any], buffers: list[bytes]) -> None:
         if message["type"] == "framebufferdata":
@@ -110,6 +114,7 @@ def test_a_cell_shows_the_viewer_which_follows_the_pointer(monkeypatch):
         widget = an.view("flat-mirror", "environment", size=SIZE)
         assert [float(length.removesuffix("px")) for length in (widget._css_width, widget._css_height)] == [*SIZE]
         page = Page(widget, loop)
+        await page.open()
         first = await page.picture_like(show)
         page.drag()
         await page.picture_like(lambda picture: share_changed(picture, first) > 0.05)
@@ -129,6 +134,7 @@ def test_a_viewer_that_nobody_sees_is_let_go_of_and_goes_on_where_it_was(monkeyp
         widget = an.view("flat-mirror", "environment", size=SIZE)
         assert widget._canvas_context is None
         page = Page(widget, loop)
+        await page.open()
         first = await page.picture_like(show)
         page.drag()
         await page.picture_like(lambda picture: share_changed(picture, first) > 0.05)

@@ -73,12 +73,14 @@ class Viewer:
         self._saving: Saving | None = None
         self._progress: Progress | None = None
         self._surface = Surface(self._canvas)
-        canvas.add_event_handler(
-            self._on_pointer, "pointer_down", "pointer_move", "pointer_up", "wheel", "double_click"
-        )
-        canvas.add_event_handler(self._on_key, "key_down")
-        canvas.add_event_handler(self._on_any, "key_up", "char", "resize", "pointer_leave")
-        canvas.add_event_handler(self._on_close, "close")
+        self._handlers = {
+            self._on_pointer: ("pointer_down", "pointer_move", "pointer_up", "wheel", "double_click"),
+            self._on_key: ("key_down",),
+            self._on_any: ("key_up", "char", "resize", "pointer_leave"),
+            self._on_close: ("close",),
+        }
+        for handler, types in self._handlers.items():
+            canvas.add_event_handler(handler, *types)
         self.frames = 0
         self._settling = SETTLING
         self._pressed_at = 0.0
@@ -122,9 +124,11 @@ class Viewer:
         return report(self._facts(), self.state, self._drawn, self.frames, self._at_rest)
 
     def close(self) -> None:
-        """End what runs, and let go of everything on the device and in imgui; the canvas is of no use after it."""
+        """End what runs, and let go of the canvas, and of everything on the device and in imgui."""
         if not self._closed:
             self._closed = True
+            for handler, types in self._handlers.items():
+                self._canvas.remove_event_handler(handler, *types)
             self._let_go()
             self._surface.close()
 

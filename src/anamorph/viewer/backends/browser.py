@@ -28,7 +28,7 @@ LONGEST_MESSAGE = 65536
 
 SIGNALS = (signal.SIGINT, signal.SIGTERM)
 
-SCRIPTS = {"page.js": "text/javascript", "page.css": "text/css"}
+SCRIPTS = {"page.js": "text/javascript", "input.js": "text/javascript", "page.css": "text/css"}
 
 
 def serve(beginning: Start, port: int, size: tuple[int, int], tell: Callable[[str], object]) -> None:

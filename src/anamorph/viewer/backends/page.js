@@ -1,12 +1,11 @@
 // What the page does: shows the pictures that the viewer sends, and sends back what its user does.
 // The messages are those of rendercanvas's http canvas; the events are made by its renderview.js.
 
-'use strict'
+import { followFingers, takeKeys, withFingers } from './input.js'
 
 const status = document.getElementById('status')
 const wrapper = document.getElementById('canvas')
 const SLOWEST_RETRY = 4000 // milliseconds
-const TAKEN = new Set(['F1', 'Tab', 'Ctrl+o', 'Ctrl+s']) // keys for which viewer and browser each have a use
 
 let socket = null
 let retry = 250
@@ -26,33 +25,14 @@ class View extends window.BaseRenderView {
     this.setThrottle(16)
     this.frames = []
     this.waiting = false
-    this.fingers = new Map()
+    this.fingers = followFingers(picture)
     picture.onload = () => this.showSoon()
-    this.watchFingers()
-  }
-
-  // The library tells of one pointer at a time. What it tells is completed with all fingers that are down.
-  watchFingers () {
-    const follow = (event) => {
-      if (event.pointerType !== 'touch') { return }
-      const finger = event.pointerId
-      if (event.type === 'pointerup' || event.type === 'pointercancel') {
-        this.fingers.delete(finger)
-      } else if (event.type === 'pointerdown' || this.fingers.has(finger)) {
-        const { left, top } = this.viewElement.getBoundingClientRect()
-        this.fingers.set(finger, { x: event.clientX - left, y: event.clientY - top, pressure: event.pressure })
-      }
-    }
-    for (const type of ['pointerdown', 'pointermove', 'pointerup', 'pointercancel']) {
-      this.viewElement.addEventListener(type, follow, { capture: true })
-    }
   }
 
   onEvent (event) {
-    if (event.type.startsWith('pointer_')) {
-      event = { ...event, ntouches: this.fingers.size, touches: Object.fromEntries(this.fingers) }
+    if (socket !== null && socket.readyState === WebSocket.OPEN) {
+      socket.send(JSON.stringify(withFingers(event, this.fingers)))
     }
-    if (socket !== null && socket.readyState === WebSocket.OPEN) { socket.send(JSON.stringify(event)) }
   }
 
   receive (frame) {
@@ -162,10 +142,7 @@ document.addEventListener('visibilitychange', () => view.showSoon())
 document.addEventListener('contextmenu', (event) => event.preventDefault())
 document.addEventListener('pointerenter', () => view.focus(), { capture: true, once: true })
 window.addEventListener('focus', () => view.focus())
-window.addEventListener('keydown', (event) => {
-  const held = event.ctrlKey || event.metaKey ? 'Ctrl+' : ''
-  if (TAKEN.has(held + event.key)) { event.preventDefault() }
-}, { capture: true })
+takeKeys(window)
 
 say('Connecting …')
 watchRatio()

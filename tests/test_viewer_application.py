@@ -5,6 +5,7 @@ from __future__ import annotations
 import gc
 import json
 import os
+import time
 import weakref
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
@@ -25,6 +26,7 @@ from anamorph.methods import METHODS, Session
 from anamorph.methods.options import option
 from anamorph.scene.builtin import make
 from anamorph.srgb import encode_srgb
+from anamorph.viewer.application import SETTLING
 from anamorph.viewer.marks import NO_MARKS, Marks
 from anamorph.viewer.space import Space
 from anamorph.viewer.starting import start
@@ -128,6 +130,23 @@ def test_a_page_that_takes_over_has_a_clock_of_its_own(hand: Hand, monkeypatch: 
     hand.send("pointer_up", x=-1, y=-1, button=1, time_stamp=0.5)
     hand.send("pointer_move", x=divider[0], y=divider[1], button=0, time_stamp=0.6)
     assert cursors[-1] == "ew_resize"
+
+
+def test_a_pointer_that_rests_on_a_slider_is_given_a_frame_that_explains_it(hand: Hand) -> None:
+    calls: list[tuple[float, Callable[[], None]]] = []
+    hand.viewer._later = lambda seconds, call: calls.append((seconds, call))
+    before = hand.settle()
+    calls.clear()
+    hand.send("pointer_move", **dict(zip("xy", hand.place(0.5, 0.5), strict=True)), button=0)
+    assert not calls, "the picture has nothing to explain"
+    x, y = hand.widget("mirror/swivel")
+    hand.send("pointer_move", x=x, y=y, button=0)
+    ((seconds, call),) = calls
+    assert call == hand.viewer.refresh
+    hand.draw(SETTLING)
+    time.sleep(seconds)
+    explained = np.abs(hand.draw(SETTLING).astype(int) - before).max(-1) > 24
+    assert explained.sum() > 1000
 
 
 def test_a_slider_turns_the_mirror(hand: Hand) -> None:

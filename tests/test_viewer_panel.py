@@ -22,7 +22,7 @@ from anamorph.viewer.layout import picture_area
 from anamorph.viewer.panel import report
 from anamorph.viewer.panel.methods import DRAWINGS, LAYERS, RESOLUTIONS, SAMPLES, UNITS, specification
 from anamorph.viewer.panel.report import PATHS, SAVED
-from anamorph.viewer.panel.scene import SIDES
+from anamorph.viewer.panel.scene import SIDES, curvature_text
 from anamorph.viewer.panel.wording import decimals, figure, number_text
 from anamorph.viewer.shortcuts import SHORTCUTS
 from anamorph.viewer.state import Drawing, EyeSide, Half, Layer, State
@@ -387,7 +387,23 @@ def test_figures_have_three_digits(value, text) -> None:
 def test_numbers_have_real_minus_signs_and_nought_has_none() -> None:
     assert number_text(-1.25, 2, "m") == "\N{MINUS SIGN}1.25 m"
     assert number_text(-0.0001, 2, "°") == "0.00°"
-    assert [decimals(step) for step in (1.0, 0.5, 0.005, 20.0)] == [0, 1, 3, 0]
+    assert [decimals(step) for step in (1.0, 0.5, 0.005, 20.0, 5e-7)] == [0, 1, 3, 0, 6]
+
+
+@pytest.mark.parametrize(
+    ("limit", "curvature", "text"),
+    [
+        (2.0, 1.0 / 1.4, "0.714 /m, convex, R = 1.4 m"),
+        (2.0, 0.0, "0.000 /m, flat"),
+        (0.002, 1.0 / 1981.0, "0.000505 /m, convex, R = 1981 m"),
+        (0.0002, -0.000123, "\N{MINUS SIGN}0.000123 /m, concave, R = 8130 m"),
+    ],
+)
+def test_a_curvature_has_the_digits_that_its_slider_sets(opened, scene, limit, curvature, text) -> None:
+    control = next(each for each in scene_controls(scene) if each.unit == "1/m")
+    own = replace(control, low=-limit, high=limit, step=limit / 400.0)
+    assert curvature_text(own, curvature) == text
+    assert opened().measure([text])[text] < 223.0, "it fits its slider"
 
 
 def test_the_panel_says_how_errors_come_to_be_measured(opened, monkeypatch) -> None:

@@ -45,6 +45,9 @@ MOST_SETTLING = 60
 REST_DELAY = 0.15
 """Seconds without a change after which the picture is refined."""
 
+TIP_DELAY = 0.4
+"""Seconds until what the pointer rests on in the panel is explained: a little more than imgui waits."""
+
 Later = Callable[[float, Callable[[], None]], object]
 """Has something called after so many seconds."""
 
@@ -163,7 +166,11 @@ class Viewer:
         self._take(event)
         follows = event["event_type"] in ("pointer_move", "pointer_up")
         covered = self._drawn.covered if self._drawn else ()
-        if not follows and any(inside(event["x"], event["y"], area) for area in covered):
+        over_panel = any(inside(event["x"], event["y"], area) for area in covered)
+        if over_panel and self._later is not None:
+            # imgui counts how long the pointer rests, but only sees it at a frame.
+            self._later(TIP_DELAY, self.refresh)
+        if over_panel and not follows:
             return
         left, top, right, bottom = self._area
         size = right - left, bottom - top

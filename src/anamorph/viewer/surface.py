@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from time import perf_counter
 from typing import Any
 
 import numpy as np
@@ -105,6 +106,7 @@ class Surface:
         set_theme()
         self._painter = Painter(form)
         self._marks: Marks | None = None
+        self._shown_at = perf_counter()
 
     def close(self) -> None:
         """Let go of imgui; another surface can take this one's place on the canvas."""
@@ -128,6 +130,9 @@ class Surface:
         io, ratio = self.imgui.backend.io, self._context.pixel_ratio
         io.display_framebuffer_scale = (ratio, ratio)
         io.display_size = self._context.logical_size
+        # Left alone, it takes every frame for a sixtieth of a second; and it wants time to go on.
+        now = perf_counter()
+        io.delta_time, self._shown_at = max(now - self._shown_at, 1e-6), now
         imgui.new_frame()
         try:
             show()

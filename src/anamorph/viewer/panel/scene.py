@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from functools import lru_cache
+from functools import lru_cache, partial
 from itertools import groupby
 
 from anamorph.errors import AnamorphError
@@ -13,7 +13,7 @@ from anamorph.viewer.facts import Facts
 from anamorph.viewer.home import first_observer
 from anamorph.viewer.panel.fields import number
 from anamorph.viewer.panel.sheet import Sheet, button, caption, checkbox, choice, fold, section
-from anamorph.viewer.panel.wording import number_text
+from anamorph.viewer.panel.wording import decimals, number_text
 from anamorph.viewer.state import EyeSide, State, watched_by
 
 SIDES = ((EyeSide.LEFT, "Left"), (EyeSide.MIDDLE, "Middle"), (EyeSide.RIGHT, "Right"))
@@ -82,10 +82,12 @@ def _moved(camera: Camera, key: str, value: float) -> Camera:
         return camera
 
 
-def _field(sheet: Sheet, control: Control, value: float) -> float:
-    def with_radius(curvature: float) -> str:
-        return f"{number_text(curvature, 3)} /m, {reading(control, curvature)}"
+def curvature_text(control: Control, curvature: float) -> str:
+    """A curvature with its radius, in as many digits as tell apart what its slider can be set to."""
+    return f"{number_text(curvature, max(3, decimals(control.step)))} /m, {reading(control, curvature)}"
 
+
+def _field(sheet: Sheet, control: Control, value: float) -> float:
     return number(
         sheet,
         control.key,
@@ -97,5 +99,5 @@ def _field(sheet: Sheet, control: Control, value: float) -> float:
         unit=control.unit,
         summary=control.summary,
         logarithmic=control.logarithmic,
-        shown=with_radius if control.unit == "1/m" else None,
+        shown=partial(curvature_text, control) if control.unit == "1/m" else None,
     )

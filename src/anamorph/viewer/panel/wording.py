@@ -9,7 +9,7 @@ NOT_MEASURED = "\N{EN DASH}"
 
 def decimals(step: float) -> int:
     """How many digits after the point tell two values apart that are one step from each other."""
-    return next((count for count in range(6) if abs(step * 10**count - round(step * 10**count)) < 1e-6), 6)
+    return next((count for count in range(6) if abs(step - round(step, count)) < 1e-6 * step), 6)
 
 
 def number_text(value: float, places: int, unit: str = "") -> str:

@@ -109,7 +109,7 @@ def test_whoever_writes_into_a_mesh_sees_it_where_it_is():
     scene = replace(WITH_HOUSING, meshes=(*WITH_HOUSING.meshes[:-1], mesh))
     Caster(flatten(scene))
     mesh.positions[:, 1] += 10.0
-    above = mesh.positions.max(axis=0) + [-0.01, 5.0, -0.01]
+    above = np.add(mesh.positions.max(axis=0), [-0.01, 5.0, -0.01])
     hits = Caster(flatten(scene)).cast([above], [[0.0, -1.0, 0.0]])
     assert flatten(scene).face_object[hits.triangle[0]] == len(scene.meshes)
 
@@ -136,6 +136,14 @@ def test_triangles_are_equal_to_the_last_bit_or_not_at_all(seed, of_faces, place
     assert Triangles(*one) == Triangles(*other) and hash(Triangles(*one)) == hash(Triangles(*other))
     other[of_faces].view(np.uint32).reshape(-1)[place] ^= np.uint32(1 << bit)
     assert Triangles(*one) != Triangles(*other)
+
+
+def test_zeros_of_other_signs_are_other_places_and_undefined_ones_are_themselves():
+    positions, faces = triangles(0)
+    signed, undefined = positions.copy(), positions.copy()
+    positions[4, 1], signed[4, 1], undefined[4, 1] = 0.0, -0.0, np.nan
+    assert Triangles(positions, faces) != Triangles(signed, faces)
+    assert Triangles(undefined, faces) == Triangles(undefined.copy(), faces)
 
 
 @pytest.mark.parametrize("cut", [0, 1, 9])

@@ -82,7 +82,7 @@ def test_a_wrong_layout_fails_the_check(monkeypatch):
     def wrong(tree, origins, directions, near, coherent, distance, triangle, barycentric):
         distance[:], triangle[:], barycentric[:] = np.inf, -1, 0.0
 
-    monkeypatch.setattr(rays.embree.Tree, "cast", wrong)
+    monkeypatch.setattr(rays.embree.Trees, "cast", wrong)
     assert not rays.direct_works.__wrapped__()
 
 
@@ -207,6 +207,7 @@ def test_a_tree_that_cannot_be_built_falls_back(monkeypatch):
 
     assert rays.direct_works()
     monkeypatch.setattr(rays.embree, "Tree", unavailable)
+    rays.embree.tree_over.cache_clear()
     caster = Caster(soup())
     assert caster.way == "embreex"
     assert caster.cast(*random_rays(100)).triangle.max() >= 0

@@ -11,8 +11,10 @@ from __future__ import annotations
 import ctypes
 import importlib.util
 import weakref
+from collections.abc import Sequence
+from dataclasses import dataclass
 from enum import Enum
-from functools import cache
+from functools import cache, lru_cache
 from pathlib import Path
 from typing import Any
 
@@ -28,6 +30,10 @@ PACKET = 16
 MISS = 0xFFFFFFFF
 LEAST = 1e-18
 """Embree takes a smaller part of a direction for a positive one of this size; in a packet all rays may then miss."""
+
+KEPT = 4
+"""Trees over triangles that stay are kept, those asked for last: a scene has one to three, and an edited one shares the
+largest with the scene before."""
 
 # RTCRayHit16 is a structure of arrays: these are the indices of its arrays of 16 words.
 # instPrimID ends it in builds with instance arrays; the spare rows leave room whatever the build.
@@ -122,7 +128,7 @@ class Tree:
     """
 
     def __init__(self, positions: np.ndarray, faces: np.ndarray, upkeep: Upkeep = Upkeep.NONE) -> None:
-        library, device, self._intersect = _library()
+        library, device, _ = _library()
         self.upkeep = upkeep
         self._geometry: int | None = None
         # Embree reads the last vertex with a 16-byte load.
@@ -148,7 +154,11 @@ class Tree:
             # The scene keeps it as long as it is there itself.
             library.rtcReleaseGeometry(geometry)
         self._commit()
-        self._arguments = {coherent: _query_arguments(coherent) for coherent in (False, True)}
+
+    @property
+    def address(self) -> int:
+        """Where Embree has it, as long as this is there."""
+        return self._scene
 
     def move(self, positions: np.ndarray) -> None:
         """Put the vertices at `positions` (V, 3), while no ray is on its way; not for a tree without upkeep."""
@@ -166,6 +176,54 @@ class Tree:
         if library.rtcGetDeviceError(device):
             raise EmbreeUnavailable("Embree could not build its tree")
 
+
+@dataclass(frozen=True, eq=False)
+class Triangles:
+    """Triangles that are equal to all others with the same numbers, to the last bit; nobody may write into them.
+
+    Parameters
+    ----------
+    positions : (V, 3) float32
+    faces : (F, 3) int32
+    """
+
+    positions: np.ndarray
+    faces: np.ndarray
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, Triangles):
+            return NotImplemented
+        pairs = (self.positions, other.positions), (self.faces, other.faces)
+        return all(np.array_equal(one.view(np.uint32), another.view(np.uint32)) for one, another in pairs)
+
+    def __hash__(self) -> int:
+        return hash((self.positions.shape, self.faces.shape))
+
+
+@lru_cache(KEPT)
+def tree_over(triangles: Triangles) -> Tree:
+    """A tree without upkeep; that of the same triangles, where it is still there."""
+    return Tree(triangles.positions, triangles.faces, Upkeep.NONE)
+
+
+class Trees:
+    """Trees that rays meet as one.
+
+    Parameters
+    ----------
+    trees : sequence of Tree
+        Cast at one after the other: those that hide much, or are small, first.
+    numbers : (F,) int32
+        How the triangles of all the trees are counted, one tree after the other.
+    """
+
+    def __init__(self, trees: Sequence[Tree], numbers: Sequence[np.ndarray]) -> None:
+        self.trees = tuple(trees)
+        self._addresses = np.array([tree.address for tree in trees], np.int64)
+        self._firsts = np.cumsum([0, *map(len, numbers)])
+        self._numbers = np.concatenate([np.zeros(0, np.int32), *numbers])
+        self._arguments = {coherent: _query_arguments(coherent) for coherent in (False, True)}
+
     def cast(
         self,
         origins: np.ndarray,
@@ -178,8 +236,9 @@ class Tree:
     ) -> None:
         """Fill `distance` (N,), `triangle` (N,) and `barycentric` (N, 2) for rays (N, 3): one core, no lock held."""
         store = np.zeros((ROWS + 2) * PACKET, np.float32)
-        call = (self._intersect, self._scene, self._arguments[coherent].ctypes.data)
-        _cast(store, *call, origins, directions, near, distance, triangle, barycentric)
+        call = (_library()[2], self._arguments[coherent].ctypes.data)
+        forest = (self._addresses, self._firsts, self._numbers)
+        _cast(store, *call, *forest, origins, directions, near, distance, triangle, barycentric)
 
 
 def _query_arguments(coherent: bool) -> np.ndarray:
@@ -207,8 +266,10 @@ _call: Any = intrinsic(_generate_call)
 def _cast(
     store: np.ndarray,
     address: int,
-    scene: int,
     arguments: int,
+    scenes: np.ndarray,
+    firsts: np.ndarray,
+    numbers: np.ndarray,
     origins: np.ndarray,
     directions: np.ndarray,
     near: np.ndarray,
@@ -239,11 +300,18 @@ def _cast(
             words[GEOMETRY, lane] = MISS
             words[PRIMITIVE, lane] = MISS
             words[INSTANCE, lane] = MISS
-        _call(address, valid, scene, packet, arguments)
+        for lane in range(lanes):
+            triangle[start + lane] = -1
+        for tree in range(len(scenes)):
+            # Only what is nearer than the hits in the trees before changes a ray.
+            _call(address, valid, scenes[tree], packet, arguments)
+            for lane in range(lanes):
+                if words[GEOMETRY, lane] != MISS:
+                    triangle[start + lane] = numbers[firsts[tree] + words[PRIMITIVE, lane]]
+                    words[GEOMETRY, lane] = MISS
         for lane in range(lanes):
             ray = start + lane
-            hit = words[GEOMETRY, lane] != MISS
-            triangle[ray] = np.int32(words[PRIMITIVE, lane]) if hit else np.int32(-1)
+            hit = triangle[ray] >= 0
             distance[ray] = floats[FAR, lane] if hit else np.inf
             barycentric[ray, 0] = floats[U, lane] if hit else 0.0
             barycentric[ray, 1] = floats[V, lane] if hit else 0.0

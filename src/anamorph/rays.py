@@ -7,6 +7,7 @@ answers as the wrapper `embreex`, and otherwise through the wrapper. ANAMORPH_RA
 from __future__ import annotations
 
 import os
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache
 
@@ -85,15 +86,18 @@ def direct_works() -> bool:
     origins = np.column_stack([random.uniform(-1.0, 6.0, (301, 2)), np.full(301, 3.0)])
     directions = random.normal(size=(301, 3)) * 0.2 - [0.0, 0.0, 1.0]
     near = np.where(np.arange(301) % 7, 0.0, 9.0)
+    numbers = np.arange(len(faces), dtype=np.int32)
+    parts = numbers[1::2], numbers[::2]
     try:
-        trees = [embree.Tree(positions, faces)]
+        trees = [embree.Trees([embree.Tree(positions, faces[part]) for part in parts], parts)]
         for upkeep in (embree.Upkeep.REFIT, embree.Upkeep.REBUILD):
-            trees.append(embree.Tree(np.roll(positions, 1, axis=1), faces, upkeep))
-            trees[-1].move(positions)
+            tree = embree.Tree(np.roll(positions, 1, axis=1), faces, upkeep)
+            tree.move(positions)
+            trees.append(embree.Trees([tree], [numbers]))
     except embree.EmbreeUnavailable:
         return False
 
-    def hits_of(tree: embree.Tree | _Wrapper) -> Hits:
+    def hits_of(tree: embree.Trees | _Wrapper) -> Hits:
         hits = Hits.empty(301)
         tree.cast(origins, directions, near, False, hits.distance, hits.triangle, hits.barycentric)
         return hits
@@ -112,8 +116,25 @@ def _near(positions: np.ndarray) -> float:
     return 1e-6 * float(max(positions.max(initial=0.0), -positions.min(initial=0.0)))
 
 
+def _standing(geometry: Geometry) -> embree.Trees:
+    """A tree for each kind of mesh: where only a mirror is edited, that over all that stands around it stays."""
+    trees, numbers = [], []
+    for kind in np.unique(geometry.kind[np.diff(geometry.first_face) > 0]):
+        vertices, faces, own, count = [], [], [], 0
+        for mesh in np.flatnonzero(geometry.kind == kind):
+            start, stop = geometry.first_vertex[mesh : mesh + 2]
+            first, last = geometry.first_face[mesh : mesh + 2]
+            vertices.append(geometry.positions[start:stop])
+            faces.append(geometry.faces[first:last] + int(count - start))
+            own.append(np.arange(first, last, dtype=np.int32))
+            count += int(stop - start)
+        numbers.append(np.concatenate(own))
+        trees.append(embree.tree_over(embree.Triangles(np.concatenate(vertices), np.concatenate(faces))))
+    return embree.Trees(trees, numbers)
+
+
 class Caster:
-    """A tree over all triangles of a scene, ready to cast rays at.
+    """Trees over all triangles of a scene, ready to cast rays at.
 
     Parameters
     ----------
@@ -133,32 +154,36 @@ class Caster:
             raise AnamorphError(f"ANAMORPH_RAYS is {wanted!r}; set it to embree or embreex, or unset it")
         self.way = "embree" if wanted == "embree" and direct_works() else "embreex"
         self._faces = geometry.faces
-        self._tree = self._build(geometry.positions, embree.Upkeep.NONE)
+        self._tree = self._embree(lambda: _standing(geometry)) or _Wrapper(geometry.positions, geometry.faces)
         self.near = _near(geometry.positions)
 
-    def _build(self, positions: np.ndarray, upkeep: embree.Upkeep) -> embree.Tree | _Wrapper:
+    def _embree(self, make: Callable[[], embree.Trees]) -> embree.Trees | None:
+        """What is made for the C interface; None where that cannot be used, or no longer."""
         if self.way == "embree":
             try:
-                return embree.Tree(positions, self._faces, upkeep)
+                return make()
             except embree.EmbreeUnavailable:
                 self.way = "embreex"
-        return _Wrapper(positions, self._faces)
+        return None
 
     def moved(self, positions: np.ndarray, rebuild: bool = False) -> None:
         """Follow the scene's vertices to `positions` (V, 3) float32, while no ray is on its way.
 
-        The first move builds a tree for it; later ones refit that tree, or `rebuild` it. A refitted tree is right
+        The first move builds one tree for it; later ones refit that tree, or `rebuild` it. A refitted tree is right
         wherever the vertices go, but slows the rays the more the further neighbours part. The wrapper builds anew.
         """
         upkeep = embree.Upkeep.REBUILD if rebuild else embree.Upkeep.REFIT
         self.near = _near(positions)
-        if isinstance(self._tree, embree.Tree) and self._tree.upkeep is upkeep:
-            try:
-                self._tree.move(positions)
-                return
-            except embree.EmbreeUnavailable:
-                self.way = "embreex"
-        self._tree = self._build(positions, upkeep)
+        self._tree = self._embree(lambda: self._follow(positions, upkeep)) or _Wrapper(positions, self._faces)
+
+    def _follow(self, positions: np.ndarray, upkeep: embree.Upkeep) -> embree.Trees:
+        trees = self._tree
+        if isinstance(trees, embree.Trees) and trees.trees and trees.trees[0].upkeep is upkeep:
+            trees.trees[0].move(positions)
+            return trees
+        # Of its own: what stands may be in other casters, too.
+        tree = embree.Tree(positions, self._faces, upkeep)
+        return embree.Trees([tree], [np.arange(len(self._faces), dtype=np.int32)])
 
     def cast(
         self,

@@ -99,7 +99,7 @@ class Sources:
     group : (F,) int32
         For each triangle of the scene the body that it belongs to, from 1; 0 for what is not specular.
     normals : (F, 3, 3) float64
-        Unit vectors at the corners of mirrors' triangles, exact where the surface is; elsewhere the mesh's own.
+        Unit vectors at the corners of mirrors' triangles, exact where the surface is; zeros elsewhere.
     lenses : (lenses, 2, 4) float64
         The middle of the edge of each lens's far face, and the edge's object number; its axis, and its radius. Two for
         each lens, one for either side.
@@ -112,7 +112,7 @@ class Sources:
             raise AnamorphError(f"mesh {name!r}: is of glass but no face of a lens that make_lens made; use raytrace")
         self._first_face = geometry.first_face
         self.group = np.zeros(len(geometry.faces), np.int32)
-        self.normals = np.asarray(geometry.normals, float)[geometry.faces]
+        self.normals = np.zeros((len(geometry.faces), 3, 3))
         self._surfaces: list[_Surface] = []
         lenses: list[list[list[float]]] = []
         for number, body in enumerate(connected_mirrors(scene), start=1):

@@ -133,26 +133,49 @@ def refined_scene(scene: Scene, size: tuple[int, int], tolerance: float) -> Scen
         most = max(MOST_TRIANGLES - len(errors), 0) // 6
         coarse = np.flatnonzero((errors > tolerance) & (areas > SMALLEST))
         coarse = coarse[np.argsort(-errors[coarse], kind="stable")][:most]
-        edges = _edges(meshes)
-        owner = np.repeat(np.arange(len(meshes)), [len(mesh.faces) for mesh in meshes])
-        refined = np.isin(owner, chosen)
-        wanted = np.setdiff1d(edges[refined][coarse], edges[~refined])
+        if not len(coarse):
+            break
+        refined = [meshes[number] for number in chosen]
+        edges, kept = _edges(refined, _beside(meshes, chosen))
+        wanted = np.setdiff1d(edges[coarse], kept)
         if not len(wanted):
             break
-        cut = np.isin(edges, wanted)
-        for number in chosen:
-            meshes[number] = split(meshes[number], cut[owner == number])
+        cuts = np.split(np.isin(edges, wanted), np.cumsum([len(mesh.faces) for mesh in refined[:-1]]))
+        for number, cut in zip(chosen, cuts, strict=True):
+            meshes[number] = split(meshes[number], cut)
     return replace(scene, meshes=tuple(meshes))
 
 
-def _edges(meshes: list[Mesh]) -> np.ndarray:
-    """A number for each edge of each triangle, (F, 3) int64, the same for edges between the same two places."""
-    positions = np.concatenate([np.asarray(mesh.positions, np.float32) for mesh in meshes])
+def _beside(meshes: list[Mesh], chosen: list[int]) -> np.ndarray:
+    """The triangles, (B, 3, 3) float32, of all other meshes that may share an edge with those that are chosen.
+
+    That is those with two corners in the box around these: in a large scene, few.
+    """
+    own = np.concatenate([np.asarray(meshes[number].positions, np.float32) for number in chosen])
+    low, high = own.min(axis=0, initial=np.inf), own.max(axis=0, initial=-np.inf)
+    found = [np.zeros((0, 3, 3), np.float32)]
+    for number, mesh in enumerate(meshes):
+        positions = np.asarray(mesh.positions, np.float32)
+        inside = ((positions >= low) & (positions <= high)).all(axis=1)
+        if number not in chosen and inside.any():
+            found.append(positions[mesh.faces[np.count_nonzero(inside[mesh.faces], axis=1) >= 2]])
+    return np.concatenate(found)
+
+
+def _edges(meshes: list[Mesh], beside: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """A number for each edge of each triangle of meshes, (F, 3) int64, and of triangles `beside` them, (B, 3).
+
+    Edges between the same two places have the same.
+    """
+    positions = np.concatenate([*(np.asarray(mesh.positions, np.float32) for mesh in meshes), beside.reshape(-1, 3)])
     first = np.cumsum([0, *(len(mesh.positions) for mesh in meshes)])
-    faces = np.concatenate([mesh.faces + offset for mesh, offset in zip(meshes, first, strict=False)])
-    start = np.unique(positions, axis=0, return_inverse=True)[1].reshape(-1).astype(np.int64)[faces]
+    faces = [mesh.faces + start for mesh, start in zip(meshes, first, strict=False)]
+    faces.append(first[-1] + np.arange(3 * len(beside)).reshape(-1, 3))
+    place = np.unique(positions, axis=0, return_inverse=True)[1].reshape(-1).astype(np.int64)
+    start = place[np.concatenate(faces)]
     stop = np.roll(start, -1, axis=1)
-    return np.minimum(start, stop) << 32 | np.maximum(start, stop)
+    edges = np.minimum(start, stop) << 32 | np.maximum(start, stop)
+    return edges[: len(edges) - len(beside)], edges[len(edges) - len(beside) :]
 
 
 def _shown(mesh: Mesh, camera: Camera, size: tuple[int, int]) -> tuple[np.ndarray, np.ndarray]:

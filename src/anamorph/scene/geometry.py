@@ -7,6 +7,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from anamorph.scene.model import Mesh, Scene
+from anamorph.scene.parts import specular_parts
+
+SPECULAR, BESIDE, APART = 0, 1, 2
+"""What an edit may change of a scene: its mirrors and lenses, what else belongs to their parts, and nothing else."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -25,6 +29,8 @@ class Geometry:
         Index into `Scene.meshes` plus one.
     first_vertex, first_face : (meshes + 1,) int64
         Mesh i owns vertices first_vertex[i] to first_vertex[i + 1], and faces likewise.
+    kind : (meshes,) int64
+        SPECULAR, BESIDE or APART.
     """
 
     positions: np.ndarray
@@ -36,6 +42,7 @@ class Geometry:
     face_object: np.ndarray
     first_vertex: np.ndarray
     first_face: np.ndarray
+    kind: np.ndarray
 
 
 def flatten(scene: Scene) -> Geometry:
@@ -45,22 +52,28 @@ def flatten(scene: Scene) -> Geometry:
     first_face = np.cumsum([0, *(len(mesh.faces) for mesh in meshes)])
     objects = np.arange(1, len(meshes) + 1, dtype=np.uint32)
 
+    kind = np.full(len(meshes), APART)
+    kind[[number for part in specular_parts(meshes).values() for number in part]] = BESIDE
+    kind[[number for number, mesh in enumerate(meshes) if mesh.specular]] = SPECULAR
+
+    def joined(parts: list[np.ndarray], dtype: type) -> np.ndarray:
+        return np.concatenate(parts, dtype=dtype, casting="unsafe")
+
     def texcoords(mesh: Mesh) -> np.ndarray:
-        return np.zeros((len(mesh.positions), 2)) if mesh.texcoords is None else mesh.texcoords
+        return np.zeros((len(mesh.positions), 2), np.float32) if mesh.texcoords is None else mesh.texcoords
 
     def colors(mesh: Mesh) -> np.ndarray:
-        return np.ones((len(mesh.positions), 3)) if mesh.colors is None else mesh.colors
+        return np.ones((len(mesh.positions), 3), np.float32) if mesh.colors is None else mesh.colors
 
     return Geometry(
-        positions=np.concatenate([mesh.positions for mesh in meshes]).astype(np.float32),
-        normals=np.concatenate([mesh.normals for mesh in meshes]).astype(np.float32),
-        texcoords=np.concatenate([texcoords(mesh) for mesh in meshes]).astype(np.float32),
-        colors=np.concatenate([colors(mesh) for mesh in meshes]).astype(np.float32),
-        faces=np.concatenate([mesh.faces + offset for mesh, offset in zip(meshes, first_vertex, strict=False)]).astype(
-            np.int32
-        ),
+        positions=joined([mesh.positions for mesh in meshes], np.float32),
+        normals=joined([mesh.normals for mesh in meshes], np.float32),
+        texcoords=joined([texcoords(mesh) for mesh in meshes], np.float32),
+        colors=joined([colors(mesh) for mesh in meshes], np.float32),
+        faces=joined([mesh.faces + int(start) for mesh, start in zip(meshes, first_vertex, strict=False)], np.int32),
         vertex_object=np.repeat(objects, np.diff(first_vertex)),
         face_object=np.repeat(objects, np.diff(first_face)),
         first_vertex=first_vertex,
         first_face=first_face,
+        kind=kind,
     )

@@ -6,8 +6,8 @@ import argparse
 from pathlib import Path
 from typing import NoReturn
 
-from anamorph.errors import AnamorphError
 from anamorph.output import PICTURES
+from anamorph.scene.sources import Parser, add_cad_options
 from anamorph.versions import versions
 from anamorph.video import MOST_FRAMES, VIDEOS
 
@@ -37,13 +37,6 @@ EXAMPLES = """examples:
   anamorph bench trilinear --output times
   anamorph demo
 """
-
-
-class _Parser(argparse.ArgumentParser):
-    """Says what is wrong in one line, like every other error here."""
-
-    def error(self, message: str) -> NoReturn:
-        raise AnamorphError(f"{message}; see '{self.prog} --help'")
 
 
 class _Version(argparse.Action):
@@ -87,19 +80,6 @@ def _swing(text: str) -> float:
     return degrees
 
 
-def _faces(text: str) -> tuple[int | str, ...]:
-    entries = [entry.strip() for entry in text.split(",")]
-    if not all(entries):
-        raise argparse.ArgumentTypeError(f"'{text}' names no faces; write numbers or names with commas, like 1,3")
-    return tuple(int(entry) if entry.isascii() and entry.isdigit() else entry for entry in entries)
-
-
-def _density(text: str) -> int:
-    if not (text.isascii() and text.isdigit() and int(text) > 0):
-        raise argparse.ArgumentTypeError(f"'{text}' is no density; write a whole number of cells along a face")
-    return int(text)
-
-
 def _port(text: str) -> int:
     if not (text.isascii() and text.isdigit() and int(text) < 65536):
         raise argparse.ArgumentTypeError(f"'{text}' is no port; write a whole number up to 65535, or 0 for a free one")
@@ -115,7 +95,7 @@ def _seen(text: str) -> tuple[str, Path]:
 
 def make_parser() -> argparse.ArgumentParser:
     """The parser; what it returns holds in `run` the name of what is to be run."""
-    parser = _Parser(
+    parser = Parser(
         prog="anamorph",
         description="What an eye sees in a curved mirror, and how far from the truth.",
         epilog=EXAMPLES,
@@ -129,15 +109,6 @@ def make_parser() -> argparse.ArgumentParser:
         added = commands.add_parser(name, help=help, description=help, allow_abbrev=False)
         added.set_defaults(run=name)
         return added
-
-    def cad(added: argparse.ArgumentParser) -> None:
-        group = added.add_argument_group("CAD files (.step, .stp, .iges, .igs)")
-        group.add_argument(
-            "--scene", metavar="SCENE", dest="mirror_of", help="put the CAD mirror where this scene has its own"
-        )
-        group.add_argument("--faces", metavar="1,3|NAME", type=_faces, help="only these faces, by number or name (all)")
-        group.add_argument("--density", metavar="N", type=_density, help="cells along the longer side of a face (24)")
-        group.add_argument("--flip", action="store_true", help="the other side of the faces is their outside")
 
     scene = "a built-in scene, a scene file (.toml) or any model file (.glb, .gltf, .obj, .stl, .ply, .step, .iges)"
     size = "size of the picture in pixels, like 1024x768"
@@ -219,7 +190,7 @@ def make_parser() -> argparse.ArgumentParser:
     )
 
     for added in (render, compare, view, turntable):
-        cad(added)
+        add_cad_options(added)
     command("scenes", "list the built-in scenes")
     command("info", "print the graphics adapter, the versions and the methods")
     demo = command("demo", "render car-mirror by three methods, with a page that compares them")

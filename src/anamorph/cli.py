@@ -11,17 +11,14 @@ import shlex
 import sys
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from anamorph.arguments import make_parser
 from anamorph.errors import AnamorphError
 from anamorph.output import PICTURES, check_directory, check_output, save_array, save_text
 from anamorph.progress import progress_bar
 from anamorph.quiet import heed, hush
+from anamorph.scene.sources import face_choice
 from anamorph.versions import versions
-
-if TYPE_CHECKING:
-    from anamorph.scene.cad import FaceChoice
 
 NOTEWORTHY = 0.005
 """The share of a picture's mirrors without an answer that a user is told of."""
@@ -82,7 +79,7 @@ def _render(arguments: argparse.Namespace) -> None:
         parse(arguments.method)
     what = f"rendering {arguments.scene}"
     with progress_bar(what) as tell:
-        scene, settings = open_scene(arguments.scene, _face_choice(arguments), arguments.mirror_of)
+        scene, settings = open_scene(arguments.scene, face_choice(arguments), arguments.mirror_of)
         size = arguments.size or settings.size
         view = View(scene, scene.camera, size, samples=arguments.samples)
         specification = arguments.method or settings.method
@@ -125,7 +122,7 @@ def _compare(arguments: argparse.Namespace) -> None:
     for spec in arguments.method or ():
         parse(spec)
     with progress_bar(f"opening {arguments.scene}") as tell:
-        scene, settings = open_scene(arguments.scene, _face_choice(arguments), arguments.mirror_of)
+        scene, settings = open_scene(arguments.scene, face_choice(arguments), arguments.mirror_of)
         size = arguments.size or settings.size
         able = [name for name, method in METHODS.items() if method.refracts or not scene.refracts]
         specs = arguments.method or able
@@ -149,7 +146,7 @@ def _view(arguments: argparse.Namespace) -> None:
     if arguments.method:
         parse(arguments.method)
     with progress_bar(f"opening {arguments.scene}"):
-        source = Source(arguments.scene, _face_choice(arguments), arguments.mirror_of)
+        source = Source(arguments.scene, face_choice(arguments), arguments.mirror_of)
         beginning = start(source, arguments.method)
     heed("uvicorn")
     show(beginning, arguments.backend, arguments.port, arguments.size)
@@ -167,7 +164,7 @@ def _turntable(arguments: argparse.Namespace) -> None:
         arguments.swing,
         arguments.path,
         arguments.samples,
-        choice=_face_choice(arguments),
+        choice=face_choice(arguments),
         mirror_of=arguments.mirror_of,
     )
     print(told)
@@ -236,15 +233,6 @@ def _demo(arguments: argparse.Namespace) -> None:
         comparison = make_demo(arguments.output, arguments.command_line, tell)
     print_table(comparison_table(comparison))
     print(f"Pictures and the page are in {arguments.output}; open {arguments.output / 'index.html'}")
-
-
-def _face_choice(arguments: argparse.Namespace) -> FaceChoice | None:
-    """What the command line says of the faces of a CAD file; None where it says nothing."""
-    from anamorph.scene.cad import FaceChoice
-
-    said = {"faces": arguments.faces, "density": arguments.density, "flip": arguments.flip or None}
-    said = {name: value for name, value in said.items() if value is not None}
-    return FaceChoice(**said) if said else None
 
 
 def _remedy(specification: str, ended: bool) -> str:

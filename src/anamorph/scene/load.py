@@ -72,7 +72,7 @@ def load_parts(
     suffix = path.suffix.lower()
     if suffix not in SUFFIXES:
         hint = nearest(suffix, SUFFIXES)
-        raise AnamorphError(f"{path}: '{suffix}' is no known model; give one of {', '.join(SUFFIXES)}{hint}")
+        raise AnamorphError(f"{path}: is no known model; give one that ends in {', '.join(SUFFIXES)}{hint}")
     if not (np.isfinite(scale) and scale > 0):
         raise AnamorphError(f"{path}: scale is {scale}; give a positive number of metres for one unit")
     if suffix in cad.SUFFIXES:

@@ -46,12 +46,17 @@ def open_scene(
         choice = choice or FaceChoice()
         return check_scene(replace_mirror(scene, chosen_faces(path, choice), choice.density, str(path))), settings
     if str(source) in builtin.names():
-        return check_scene(builtin.make(str(source))), Settings()
+        return check_scene(builtin.make(str(source))), Settings(method=builtin.SCENES[str(source)].method)
     if suffix == ".toml":
         return load_scene_file(path, above)
-    if suffix in SUFFIXES or path.is_file():
+    if suffix in SUFFIXES:
         meshes = tuple(part.mesh for part in load_parts(path, choice=choice, near=True))
         return check_scene(stand_before_mirror(meshes, path.stem)), Settings()
+    if path.is_file():
+        raise AnamorphError(
+            f"{source}: is no scene file and no known model; give one that ends in .toml, {', '.join(SUFFIXES)}"
+            f"{nearest(suffix, ('.toml', *SUFFIXES))}"
+        )
     known = builtin.names()
     raise AnamorphError(
         f"'{source}' is no scene{nearest(str(source), known)} (built in: {', '.join(known)}); "

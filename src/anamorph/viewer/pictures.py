@@ -27,6 +27,8 @@ class MethodPictures:
     failure : str
         Why the last picture that was asked for could not be drawn; empty where it was. What failed is not tried
         again, nor finer, but from elsewhere.
+    phases : mapping of str to float
+        What the time of the last picture that was waited for went to, milliseconds: only of these the device tells.
     """
 
     def __init__(self, scene: Scene, specification: str) -> None:
@@ -37,6 +39,7 @@ class MethodPictures:
         self._shown_from: Camera | None = None
         self._failed: tuple[Camera, Size, str] | None = None
         self.failure = ""
+        self.phases: Mapping[str, float] = {}
 
     @property
     def texture(self) -> wgpu.GPUTexture | None:
@@ -44,11 +47,6 @@ class MethodPictures:
         if self._average is not None and self._average.count:
             return self._average.texture
         return None if self._last is None else self._last.texture
-
-    @property
-    def phases(self) -> Mapping[str, float]:
-        """What the time of the last picture went to, milliseconds."""
-        return {} if self._last is None else self._last.phases()
 
     def draw(self, camera: Camera, size: Size) -> None:
         """Draw one picture, and show it in place of all before; where it fails, one of another size stays."""
@@ -81,6 +79,7 @@ class MethodPictures:
         """Return when the device has drawn the last picture."""
         if self._last is not None:
             self._last.wait()
+            self.phases = self._last.phases()
 
     def _draw(self, camera: Camera, size: Size, shift: tuple[float, float]) -> Session | None:
         if self._failed is not None and self._failed[0] == camera and self._failed[1] <= size:

@@ -11,6 +11,7 @@ from anamorph.scene.camera import Camera
 from anamorph.scene.checks import check_scene
 from anamorph.scene.model import Scene
 from anamorph.scene.scenefile import Settings
+from anamorph.scene.sources import source_in
 from anamorph.scene.viewfile import Opened, Source, open_view
 from anamorph.viewer.home import Home
 from anamorph.viewer.state import Half, State
@@ -40,7 +41,10 @@ class Start:
 
 
 def start(source: Source | Scene | str | Path, method: str | None = None) -> Start:
-    """Open whatever names a scene, or a scene itself, seen first by `method`; a failure is told in the message."""
+    """Open a scene, or whatever names one, seen first by `method`; a failure is told in the message.
+
+    A text may say more of a CAD file, in the words of the command line: "mirror.step --scene car-mirror --flip".
+    """
     try:
         opened = _open(source)
         if method is not None:
@@ -87,10 +91,17 @@ def carried_over(state: State, beginning: Start) -> State:
     )
 
 
+def _named(source: str) -> Source | str:
+    """A name, or one with options after it."""
+    return source_in(source) if " --" in source and not Path(source).exists() else source
+
+
 def _open(source: Source | Scene | str | Path) -> Opened:
     if isinstance(source, Scene):
         scene = check_scene(source)
         return Opened(scene, Settings(), scene.camera)
+    if isinstance(source, str):
+        source = _named(source)
     if isinstance(source, Source):
         return open_view(source.name, source.choice, source.mirror_of)
     return open_view(source)

@@ -26,11 +26,12 @@ from anamorph.scene.model import Scene
 
 @dataclass(frozen=True)
 class BuiltIn:
-    """A built-in scene: its name, one line for lists, and how to make it."""
+    """A built-in scene: its name, one line for lists, how to make it, and the options of the method that draws it."""
 
     name: str
     summary: str
     make: Callable[[], Scene]
+    method: str = "pervertex"
 
 
 SCENES: dict[str, BuiltIn] = {
@@ -46,7 +47,12 @@ SCENES: dict[str, BuiltIn] = {
         BuiltIn("curvature-series", "nine spherical mirrors, from convex over flat to concave", curvature_series),
         BuiltIn("saddle", "a saddle-shaped and a cylindrical mirror in a street, both aslant", saddle),
         BuiltIn("car-windows", "the town in the windows of cars, and both in the door mirror", car_windows),
-        BuiltIn("facing-mirrors", "two flat mirrors before each other, not quite parallel: a tunnel", facing_mirrors),
+        BuiltIn(
+            "facing-mirrors",
+            "two flat mirrors before each other, not quite parallel: a tunnel",
+            facing_mirrors,
+            "pervertex:bounces=8",
+        ),
         BuiltIn("torus", "a closed mirror ring on its exact surface, over a chequered floor", torus),
         BuiltIn("deforming", "a convex mirror over a rolling sea with flags: 300,000 moving triangles", deforming),
         BuiltIn("cube-in-sphere", "a numbered cube over a board in a small part of a mirror ball", cube_in_sphere),

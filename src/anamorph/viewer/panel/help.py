@@ -20,9 +20,7 @@ COLUMN = 270.0
 
 
 def draw_help(sheet: Sheet, state: State, size: tuple[int, int]) -> State:
-    """The help, if it is open, in the middle of a canvas of `size`; the state without it when it is closed."""
-    if not state.help:
-        return state
+    """The help, in the middle of a canvas of `size`; the state without it when it is closed."""
     width, height = size
     imgui.set_next_window_pos((width / 2.0, height / 2.0), imgui.Cond_.always, (0.5, 0.5))
     wide = min(WIDEST, width - 2.0 * theme.MARGIN)

@@ -15,8 +15,8 @@ from anamorph.viewer.facts import Rectangle
 from anamorph.viewer.measured import ERROR_MARKS, STATUS_COLORS, Color, scale_ticks
 from anamorph.viewer.panel import theme
 from anamorph.viewer.panel.sheet import Sheet
-from anamorph.viewer.panel.wording import name_text
-from anamorph.viewer.state import TRUTH, Half, Layer, State
+from anamorph.viewer.panel.wording import method_text, name_text
+from anamorph.viewer.state import Half, Layer, State
 
 HANDLE = (7.0, 22.0)
 """Half the width and half the height of the divider's handle."""
@@ -66,11 +66,8 @@ def draw_legends(sheet: Sheet, state: State, free: Rectangle, area: Rectangle) -
 
 def half_caption(half: Half, state: State) -> str:
     """What a half shows, in words."""
-    name, _, options = half.method.partition(":")
-    words = ["truth" if name == TRUTH and not options else name]
-    words += [each.replace("=", " ") for each in options.split(",") if each]
-    words += [] if half.layer is Layer.PICTURE else [str(half.layer)]
-    return ", ".join(words)
+    said = method_text(half.method)
+    return said if half.layer is Layer.PICTURE else f"{said}, {half.layer}"
 
 
 def _caption(sheet: Sheet, key: str, text: str, room: Rectangle) -> float:

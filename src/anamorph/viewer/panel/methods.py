@@ -9,6 +9,8 @@ from typing import Any
 
 from anamorph.errors import AnamorphError
 from anamorph.methods import METHODS, Method, parse
+from anamorph.scene.model import Scene
+from anamorph.scene.parts import specular_parts
 from anamorph.viewer.controls import OptionControl, option_controls
 from anamorph.viewer.facts import Facts
 from anamorph.viewer.panel import theme
@@ -35,6 +37,9 @@ SPREAD = 50.0
 """Options whose highest value is so many times the lowest have a logarithmic slider: small ones are used most."""
 
 UNIT_SIGNS = {"degrees": "°", "pixels": "px"}
+
+BOUNCES = "bounces"
+"""What methods call the option of how many mirrors and lenses a path may meet."""
 
 cached_options = lru_cache(maxsize=32)(option_controls)
 """A method's options; they are the same at every frame."""
@@ -97,6 +102,20 @@ def method_title(name: str) -> str:
     return f"{name} (the truth)" if name == TRUTH else name
 
 
+def few_bounces(options: Any, scene: Scene) -> str:
+    """What to say of options that follow light over fewer of a scene's mirrors and lenses than the truth does."""
+    shown, true = getattr(options, BOUNCES, None), getattr(METHODS[TRUTH].options(), BOUNCES)
+    if shown is None or shown >= true or not _sees_itself(scene):
+        return ""
+    return f"Follows {shown} mirrors or lenses, the truth {true}: see {BOUNCES} in the options."
+
+
+@lru_cache(maxsize=4)
+def _sees_itself(scene: Scene) -> bool:
+    """Whether there may be a mirror or lens in a mirror or lens."""
+    return len(specular_parts(scene.meshes)) > 1
+
+
 def _half(sheet: Sheet, key: str, half: Half, facts: Facts) -> Half:
     name = half.method.partition(":")[0]
     chosen = word(sheet, f"{key}/method", "method", name, _methods(facts), getattr(METHODS.get(name), "summary", ""))
@@ -107,6 +126,8 @@ def _half(sheet: Sheet, key: str, half: Half, facts: Facts) -> Half:
     except AnamorphError as error:
         wrapped(str(error), theme.WARNING)
         return half
+    if few := few_bounces(options, facts.scene):
+        caption(few)
     if not fold(sheet, f"{key}/options", "Options", False):
         return half
     was = options

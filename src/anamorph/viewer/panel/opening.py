@@ -15,6 +15,8 @@ from anamorph.viewer.state import State
 LONGEST_NAME = 300
 """Letters of a scene's name that are told at all."""
 
+OPTIONS = "A CAD file takes the options of the command line: mirror.step --scene car-mirror --faces 1,3 --flip"
+
 ARROW = 22.0
 """Room for the sign at the right of the name."""
 
@@ -51,6 +53,7 @@ def opening_page(sheet: Sheet, state: State, facts: Facts) -> State:
     flags = imgui.InputTextFlags_.enter_returns_true
     entered, typed = imgui.input_text_with_hint("##opening/path", "then Enter", state.opening or "", flags)
     sheet.mark("opening/path")
+    tip(OPTIONS)
     left = imgui.is_item_deactivated() and imgui.is_key_pressed(imgui.Key.escape)
     if entered:
         imgui.set_keyboard_focus_here(-1)

@@ -93,8 +93,11 @@ def draw_panel(state: State, facts: Facts) -> Drawn:
     edge = area[0] if shown.panel else sheet.rectangles["panel/show"][2]
     lowest = draw_legends(sheet, shown, (edge, *area[1:]), area)
     _status_line(sheet, state, facts)
-    draw_notice(sheet, facts, (area[0], lowest, *area[2:]))
-    state = draw_help(sheet, state, facts.size)
+    # The help may need all the room there is, and what is said waits.
+    if state.help:
+        state = draw_help(sheet, state, facts.size)
+    else:
+        draw_notice(sheet, facts, (area[0], lowest, *area[2:]))
     typing = imgui.get_io().want_text_input
     opens = sheet.opens[-1] if sheet.opens else None
     return Drawn(state, tuple(sheet.requests), sheet.rectangles, opens, tuple(sheet.covered), typing)
@@ -161,7 +164,7 @@ def _status_line(sheet: Sheet, state: State, facts: Facts) -> None:
     imgui.push_style_var(imgui.StyleVar_.window_padding, (10.0, 4.0))
     imgui.begin("##status", None, FIXED | imgui.WindowFlags_.no_scrollbar)
     sheet.cover_window("status")
-    words = [size_text(facts.picture)]
+    words = [size_text(facts.picture)] if all(facts.picture) else []
     if facts.samples_total > 1:
         words.append(f"{facts.samples_done} of {facts.samples_total} samples")
     if facts.frame_ms:

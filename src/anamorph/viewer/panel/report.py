@@ -11,7 +11,15 @@ from anamorph.measure.errors import Statistics
 from anamorph.viewer.facts import Facts, Figures, Inspection, Request
 from anamorph.viewer.panel import theme
 from anamorph.viewer.panel.sheet import Sheet, button, caption, field_width, row, section, wrapped
-from anamorph.viewer.panel.wording import NOT_MEASURED, figure, name_text, number_text, point_text, size_text
+from anamorph.viewer.panel.wording import (
+    NOT_MEASURED,
+    figure,
+    method_text,
+    name_text,
+    number_text,
+    point_text,
+    size_text,
+)
 from anamorph.viewer.remembered import LEAST
 from anamorph.viewer.state import Layer, State, looking_into
 
@@ -100,25 +108,27 @@ def timing_section(sheet: Sheet, facts: Facts) -> None:
     row("pictures a second", f"{1000.0 / facts.frame_ms:.0f}" if facts.frame_ms else NOT_MEASURED)
     for phase, time in facts.phases_ms.items():
         row(f"   {phase}", f"{time:.1f} ms")
-    row("drawn", size_text(facts.picture))
-    row("at rest", size_text(facts.full))
-    row("samples", f"{facts.samples_done} of {facts.samples_total}")
+    if all(facts.picture):
+        row("drawn", size_text(facts.picture))
+        row("at rest", size_text(facts.full))
+    if facts.samples_total > 1:
+        row("samples", f"{facts.samples_done} of {facts.samples_total}")
     row("adapter", facts.adapter)
 
 
 def _newly_picked(state: State) -> bool:
-    """Whether another pixel is looked into than at the frame before."""
+    """Whether another pixel is looked into than at the frame before; not where the sections have just come up."""
     kept, known = imgui.get_state_storage(), imgui.get_id("picked")
     x, y = state.picked or (-1.0, 0.0)
     mixed = float(np.float32(x + 7.0 * y))
     before = kept.get_float(known, -1.0)
     kept.set_float(known, mixed)
-    return state.picked is not None and mixed != before
+    return state.picked is not None and mixed != before and not imgui.is_window_appearing()
 
 
 def _inspection(seen: Inspection) -> None:
     row("pixel", f"{seen.pixel[0]}, {seen.pixel[1]}")
-    row("method", seen.method)
+    row("method", method_text(seen.method))
     row("sees", seen.seen)
     row("in truth", seen.truth)
     if seen.truth != seen.seen:

@@ -84,7 +84,7 @@ def _moved(camera: Camera, key: str, value: float) -> Camera:
 
 def curvature_text(control: Control, curvature: float) -> str:
     """A curvature with its radius, in as many digits as tell apart what its slider can be set to."""
-    return f"{number_text(curvature, max(3, decimals(control.step)))} /m, {reading(control, curvature)}"
+    return f"{number_text(curvature, max(3, decimals(control.step)))} 1/m, {reading(control, curvature)}"
 
 
 def _field(sheet: Sheet, control: Control, value: float) -> float:

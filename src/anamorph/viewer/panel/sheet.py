@@ -71,21 +71,44 @@ def shortened(text: str, width: float) -> str:
     return f"{text[: max(kept, 0)]}…"
 
 
+def broken(text: str, width: float) -> str:
+    """A text in lines no wider than that, which end between words: imgui would also end them before the "stp" of .stp.
+
+    A word that is wider is left to imgui.
+    """
+    if text_width(text) <= width:
+        return text
+    lines: list[str] = []
+    for paragraph in text.split("\n"):
+        line, *words = paragraph.split(" ")
+        for word in words:
+            longer = f"{line} {word}"
+            if text_width(longer) > width:
+                lines.append(line)
+                line = word
+            else:
+                line = longer
+        lines.append(line)
+    return "\n".join(lines)
+
+
 def tip(text: str) -> None:
     """Say more about the last item while the pointer rests on it."""
     if text and imgui.is_item_hovered(imgui.HoveredFlags_.for_tooltip | imgui.HoveredFlags_.allow_when_disabled):
         imgui.begin_tooltip()
         imgui.push_text_wrap_pos(TIP_WIDTH)
-        imgui.text_unformatted(text)
+        imgui.text_unformatted(broken(text, TIP_WIDTH - 1.0))
         imgui.pop_text_wrap_pos()
         imgui.end_tooltip()
 
 
 def wrapped(text: str, color: theme.Color = theme.TEXT, room: float = 0.0) -> None:
     """A text over as many lines as it needs, leaving `room` on its right."""
+    width = available() - room
     imgui.push_style_color(imgui.Col_.text, color)
-    imgui.push_text_wrap_pos(imgui.get_cursor_pos_x() + available() - room)
-    imgui.text_unformatted(text)
+    imgui.push_text_wrap_pos(imgui.get_cursor_pos_x() + width)
+    # A little narrower than where imgui breaks by itself.
+    imgui.text_unformatted(broken(text, width - 1.0))
     imgui.pop_text_wrap_pos()
     imgui.pop_style_color()
 

@@ -2,9 +2,15 @@
 
 from __future__ import annotations
 
+import math
+
 from anamorph.viewer.facts import Vector
+from anamorph.viewer.state import TRUTH
 
 NOT_MEASURED = "\N{EN DASH}"
+
+LEAST_FIGURE = 1e-5
+"""What is told of a figure below it is that it is: methods that draw the same differ by rounding."""
 
 
 def decimals(step: float) -> int:
@@ -21,9 +27,13 @@ def number_text(value: float, places: int, unit: str = "") -> str:
 
 
 def figure(value: float | None) -> str:
-    """Three digits of a value that is not negative, without powers of ten."""
+    """Three digits of a value that is not negative, or two behind zeros, without powers of ten."""
     if value is None:
         return NOT_MEASURED
+    if value < LEAST_FIGURE:
+        return f"< {LEAST_FIGURE:.5f}" if value else "0"
+    if value < 0.1:
+        return f"{value:.{max(3, 1 - math.floor(math.log10(value)))}f}"
     return f"{value:.{next(places for places, least in enumerate((100.0, 10.0, 1.0, 0.0)) if value >= least)}f}"
 
 
@@ -35,6 +45,13 @@ def size_text(size: tuple[int, int]) -> str:
 def point_text(point: Vector) -> str:
     """A world point, metres."""
     return ", ".join(number_text(value, 3) for value in point)
+
+
+def method_text(specification: str) -> str:
+    """A method and its options in words, as "NAME[:option=value,...]" specifies them."""
+    name, _, options = specification.partition(":")
+    words = ["truth" if name == TRUTH and not options else name]
+    return ", ".join([*words, *(each.replace("=", " ") for each in options.split(",") if each)])
 
 
 def name_text(name: str) -> str:

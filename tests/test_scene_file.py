@@ -14,6 +14,10 @@ from hypothesis import strategies as st
 from PIL import Image
 
 from anamorph.errors import AnamorphError
+from anamorph.frame import View
+from anamorph.measure.status import gaps
+from anamorph.methods import parse
+from anamorph.rendering import draw_frame
 from anamorph.scene import builtin
 from anamorph.scene.framing import stand_before_mirror
 from anamorph.scene.key_lines import key_lines
@@ -79,7 +83,13 @@ def test_the_documented_example_loads(folder: Path) -> None:
 @pytest.mark.parametrize("name", builtin.names())
 def test_every_built_in_scene_is_fit_to_be_drawn(name: str) -> None:
     scene, settings = open_scene(name)
-    assert scene.name == name and settings == Settings()
+    assert scene.name == name and settings == Settings(method=builtin.SCENES[name].method)
+    parse(settings.method)
+
+
+def test_the_tunnel_is_drawn_by_a_method_that_follows_it_to_its_end() -> None:
+    scene, settings = open_scene("facing-mirrors")
+    assert gaps(draw_frame(View(scene, scene.camera, (96, 64)), settings.method, seen=True), scene)[1] == 0.0
 
 
 def test_a_built_in_scene_can_be_changed(tmp_path: Path) -> None:
@@ -331,5 +341,5 @@ def test_opening_by_name_by_file_and_by_neither(folder: Path) -> None:
         with pytest.raises(AnamorphError, match=re.escape(words)):
             open_scene(wrong)
     (folder / "model.3dm").write_bytes(struct.pack("<i", 0))
-    with pytest.raises(AnamorphError, match=r"'\.3dm' is no known model"):
+    with pytest.raises(AnamorphError, match=r"model\.3dm: is no scene file and no known model.* \.toml, \.glb"):
         open_scene(folder / "model.3dm")

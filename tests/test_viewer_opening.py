@@ -13,8 +13,12 @@ from panel_stage import Stage, inside, overlap
 from scenes import scene_with, spherical_mirror
 from viewer_hand import Hand
 
+from anamorph.errors import AnamorphError
 from anamorph.scene.builtin import SCENES
+from anamorph.scene.cad import FaceChoice
+from anamorph.scene.load import SUFFIXES
 from anamorph.scene.model import Scene
+from anamorph.scene.viewfile import Opened, Source
 from anamorph.viewer import starting
 from anamorph.viewer.facts import Facts, Progress
 from anamorph.viewer.home import Home
@@ -190,6 +194,62 @@ def test_a_file_of_the_folder_and_of_the_home_is_opened(hand: Hand, tmp_path: Pa
     assert hand.viewer.report()["scene"] == "mine"
     ask(hand, "~/ours.toml")
     assert hand.viewer.report()["scene"] == "ours"
+
+
+@pytest.mark.parametrize(
+    ("typed", "asked"),
+    [
+        ("mirror.step --scene car-mirror", Source("mirror.step", None, "car-mirror")),
+        ("'my mirror.step' --faces 1,rim --flip", Source("my mirror.step", FaceChoice((1, "rim"), flip=True))),
+        ("mirror.igs --density 12", Source("mirror.igs", FaceChoice(density=12))),
+        ("my mirror.step", "my mirror.step"),
+        ("it's.toml", "it's.toml"),
+        ("car-mirror", "car-mirror"),
+    ],
+)
+def test_a_cad_file_is_opened_with_the_options_of_the_command_line(monkeypatch, typed, asked) -> None:
+    def open_view(name: str, choice: FaceChoice | None = None, mirror_of: str | None = None) -> Opened:
+        given.append(Source(name, choice, mirror_of))
+        raise AnamorphError("stop")
+
+    given: list[Source] = []
+    monkeypatch.setattr(starting, "open_view", open_view)
+    assert start(typed).message == "stop"
+    assert given == [asked if isinstance(asked, Source) else Source(asked)]
+
+
+@pytest.mark.parametrize(
+    ("typed", "words"),
+    [
+        ("mirror.step --faces", "--faces: expected one argument"),
+        ("mirror.step --density many", "'many' is no density"),
+        ("mirror.step --method raytrace", "unrecognized arguments"),
+        ("mirror.step --help", "unrecognized arguments"),
+        ("--flip", "SCENE|MODEL"),
+        ("x --flip", "x: "),
+        ("car-mirror --flip", "for CAD files"),
+        ("it's.step --flip", "quotation mark"),
+    ],
+)
+def test_options_that_cannot_be_taken_are_one_line(typed, words) -> None:
+    message = start(f" {typed}").message
+    assert words in message and "\n" not in message
+
+
+def test_a_file_whose_name_has_two_dashes_is_only_a_name(tmp_path: Path, monkeypatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "a --flip.toml").write_text('builtin = "flat-mirror"\n')
+    assert start("a --flip.toml").opened.scene.name == "a --flip"
+
+
+@pytest.mark.parametrize("name", ["passwd", "notes.txt", "folder.d/.hidden"])
+def test_a_file_of_no_kind_is_told_of_by_its_name_with_all_that_can_be_opened(tmp_path: Path, name: str) -> None:
+    file = tmp_path / name
+    file.parent.mkdir(exist_ok=True)
+    file.write_text("root:x:0:0\n")
+    message = start(str(file)).message
+    assert message.startswith(f"{file}: ") and "\n" not in message and "''" not in message
+    assert all(suffix in message for suffix in (".toml", *SUFFIXES))
 
 
 def test_a_viewer_that_opened_nothing_opens_something() -> None:

@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import replace
 from itertools import combinations
 
+import numpy as np
 import pytest
 from panel_stage import Stage, inside, overlap
 from scenes import CAMERA, scene_with, spherical_mirror
@@ -20,9 +21,20 @@ from anamorph.viewer.facts import Facts, Figures, Inspection, Progress, Request,
 from anamorph.viewer.home import first_observer
 from anamorph.viewer.layout import picture_area
 from anamorph.viewer.panel import report
-from anamorph.viewer.panel.methods import DRAWINGS, LAYERS, RESOLUTIONS, SAMPLES, UNITS, specification
+from anamorph.viewer.panel.legend import half_caption
+from anamorph.viewer.panel.methods import (
+    BOUNCES,
+    DRAWINGS,
+    LAYERS,
+    RESOLUTIONS,
+    SAMPLES,
+    UNITS,
+    few_bounces,
+    specification,
+)
 from anamorph.viewer.panel.report import PATHS, SAVED
 from anamorph.viewer.panel.scene import SIDES, curvature_text
+from anamorph.viewer.panel.sheet import broken
 from anamorph.viewer.panel.wording import decimals, figure, number_text
 from anamorph.viewer.shortcuts import SHORTCUTS
 from anamorph.viewer.state import Drawing, EyeSide, Half, Layer, State
@@ -353,6 +365,104 @@ def test_a_newly_picked_pixel_is_scrolled_into_view(opened) -> None:
     assert inside(heading, body)
 
 
+def test_a_view_that_opens_with_a_picked_pixel_begins_at_its_top(opened) -> None:
+    stage = opened((640, 480), told={"inspection": SEEN}, picked=(0.3, 0.4))
+    stage.frames(3)
+    top = opened((640, 480)).drawn.rectangles["section/picture"]
+    assert stage.drawn.rectangles["section/picture"] == top
+    stage.state = replace(stage.state, opening="")
+    stage.frames(2)
+    stage.state = replace(stage.state, opening=None, picked=(0.5, 0.5))
+    stage.frames(3)
+    assert stage.drawn.rectangles["section/picture"] == top, "opened from within"
+    stage.state = replace(stage.state, picked=(0.6, 0.5))
+    stage.frames(3)
+    assert stage.drawn.rectangles["section/picture"] != top
+
+
+def told_by(monkeypatch, opened, **told) -> dict[str, tuple[str, ...]]:
+    """The rows of the section Timing."""
+    rows: dict[str, tuple[str, ...]] = {}
+    monkeypatch.setattr(report, "row", lambda label, *values: rows.update({label: values}))
+    pressed(opened(told=told), "section/timing")
+    return rows
+
+
+def test_counts_of_nothing_are_left_out(opened, monkeypatch) -> None:
+    assert told_by(monkeypatch, opened, samples_done=3, samples_total=16)["samples"] == ("3 of 16",)
+    assert "samples" not in told_by(monkeypatch, opened, samples_total=0)
+    rows = told_by(monkeypatch, opened, picture=(0, 0), samples_total=16)
+    assert not {"samples", "drawn", "at rest"} & rows.keys() and "adapter" in rows
+
+
+def test_the_status_line_says_no_size_of_nothing(opened) -> None:
+    bare, empty = opened(told={"picture": (0, 0), "samples_total": 16}), opened(told={"picture": (0, 0)})
+    drawn = opened(told={"samples_total": 16})
+    _, top, _, bottom = (round(edge) for edge in bare.drawn.rectangles["status"])
+    beside = np.s_[top:bottom, :300]
+    assert np.array_equal(bare.frames()[beside], empty.frames()[beside])
+    assert len(np.unique(bare.frames()[beside].reshape(-1, 4), axis=0)) == 1
+    assert not np.array_equal(bare.frames()[beside], drawn.frames()[beside])
+
+
+def test_what_is_said_waits_behind_the_help(opened) -> None:
+    stage = opened(told={"message": "saved car-mirror-1.toml"})
+    assert "notice" in stage.drawn.rectangles
+    stage.state = replace(stage.state, help=True)
+    stage.frames(2)
+    assert "notice" not in stage.drawn.rectangles and "message/close" not in stage.drawn.rectangles
+    assert pressed(stage, "help/close").help is False
+    stage.frames(2)
+    assert "notice" in stage.drawn.rectangles
+
+
+@pytest.mark.parametrize("width", [60.0, 130.0, 238.0, 440.0, 1e6])
+@pytest.mark.parametrize(
+    "text",
+    [
+        "/etc/passwd: is no known model; give one that ends in .toml, .glb, .gltf, .step, .stp, .iges, .igs",
+        "a tolerance of 0.5 or 1.25,\nand then another line: it is longer.",
+        "  two   spaces ",
+        "w" * 90,
+        "",
+    ],
+)
+def test_lines_end_between_words(opened, monkeypatch, text, width) -> None:
+    lines: list[str] = []
+    monkeypatch.setattr(report, "caption", lambda _: lines.extend([] if lines else broken(text, width).split("\n")))
+    stage = opened()
+    assert " ".join(lines).split() == text.split() and len(lines) > 0
+    widths = stage.measure(lines)
+    assert all(widths[line] <= width or " " not in line.strip() for line in lines)
+    if width == 1e6:
+        assert "\n".join(lines) == text
+
+
+@pytest.mark.parametrize(
+    ("specification", "said"),
+    [("raytrace", "truth"), ("raytrace:bounces=2", "raytrace, bounces 2"), ("pervertex", "pervertex")],
+)
+def test_a_method_is_called_the_same_over_the_picture_and_beside_it(opened, monkeypatch, specification, said) -> None:
+    rows = {}
+    monkeypatch.setattr(report, "row", lambda label, *values: rows.update({label: values}))
+    stage = opened(told={"inspection": replace(SEEN, method=specification)}, picked=(0.5, 0.5))
+    assert rows["method"] == (said,) and half_caption(Half(specification), stage.state) == said
+
+
+def test_the_panel_says_where_the_truth_follows_more_mirrors() -> None:
+    several, one = builtin.make("facing-mirrors"), builtin.make("car-mirror")
+
+    def said(specification: str, scene: Scene) -> str:
+        return few_bounces(parse(specification)[1], scene)
+
+    assert said("pervertex", several) == said("trilinear", several) != ""
+    assert "2 mirrors" in said("pervertex", several) and "3 mirrors" in said("pervertex:bounces=3", several)
+    assert "the truth 8" in said("pervertex", several) and f"{BOUNCES} in the options" in said("pervertex", several)
+    for silent in ("pervertex:bounces=8", "raytrace", "raytrace:bounces=20", "environment"):
+        assert said(silent, several) == ""
+    assert said("pervertex", one) == "" and said("raytrace:bounces=2", several) != ""
+
+
 @pytest.mark.parametrize("ratio", [1.0, 1.5, 2.0])
 def test_letters_are_drawn_as_fine_as_the_canvas_is(opened, ratio) -> None:
     assert opened(ratio=ratio).density == ratio
@@ -372,8 +482,13 @@ def test_a_specification_says_what_differs_and_reads_back(name) -> None:
     ("value", "text"),
     [
         (None, "\N{EN DASH}"),
-        (0.0, "0.000"),
+        (0.0, "0"),
+        (1e-9, "< 0.0001"),
+        (0.0001, "0.00010"),
+        (0.0004321, "0.00043"),
+        (0.00999, "0.0100"),
         (0.04321, "0.043"),
+        (0.4321, "0.432"),
         (1.0, "1.00"),
         (12.34, "12.3"),
         (123.4, "123"),
@@ -393,10 +508,10 @@ def test_numbers_have_real_minus_signs_and_nought_has_none() -> None:
 @pytest.mark.parametrize(
     ("limit", "curvature", "text"),
     [
-        (2.0, 1.0 / 1.4, "0.714 /m, convex, R = 1.4 m"),
-        (2.0, 0.0, "0.000 /m, flat"),
-        (0.002, 1.0 / 1981.0, "0.000505 /m, convex, R = 1981 m"),
-        (0.0002, -0.000123, "\N{MINUS SIGN}0.000123 /m, concave, R = 8130 m"),
+        (2.0, 1.0 / 1.4, "0.714 1/m, convex, R = 1.4 m"),
+        (2.0, 0.0, "0.000 1/m, flat"),
+        (0.002, 1.0 / 1981.0, "0.000505 1/m, convex, R = 1981 m"),
+        (0.0002, -0.000123, "\N{MINUS SIGN}0.000123 1/m, concave, R = 8130 m"),
     ],
 )
 def test_a_curvature_has_the_digits_that_its_slider_sets(opened, scene, limit, curvature, text) -> None:

@@ -16,6 +16,7 @@ import anamorph as an
 from anamorph.errors import AnamorphError
 from anamorph.gpu.device import get_device
 from anamorph.gpu.targets import COLOR_FORMAT, make_texture, read_texture
+from anamorph.gpu.timing import device_timer
 from anamorph.scene.builtin import make
 from anamorph.scene.model import Scene
 from anamorph.srgb import encode_srgb
@@ -206,6 +207,16 @@ def test_while_it_moves_the_picture_is_coarse_where_that_is_asked_for(scene: Sce
     assert showing.picture == (24, 16) and not showing.at_rest
     settle(showing)
     assert showing.picture == SIZE
+
+
+def test_times_at_rest_are_those_of_the_last_picture_that_moved_with_the_devices(scene: Scene) -> None:
+    showing = Showing()
+    state = State(scene.camera, Half("pervertex"), Half("raytrace"), samples=2)
+    showing.update(scene, state, (48, 32))
+    told = dict(showing.phases)
+    assert told["prepare"] > 0.0 and ("device" in told) == (device_timer() is not None)
+    settle(showing)
+    assert dict(showing.phases) == told
 
 
 def test_what_moves_starts_the_picture_over_and_a_layer_does_not(scene: Scene) -> None:

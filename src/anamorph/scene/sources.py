@@ -48,9 +48,10 @@ def source_in(words: str) -> Source:
     parser.add_argument("scene", metavar="SCENE|MODEL")
     add_cad_options(parser)
     try:
-        arguments = parser.parse_args(shlex.split(words))
+        given = shlex.split(words)
     except ValueError:
         raise AnamorphError(f"{words}: a quotation mark is not closed; close it, or leave it out") from None
+    arguments = parser.parse_args(given)
     return Source(arguments.scene, face_choice(arguments), arguments.mirror_of)
 
 

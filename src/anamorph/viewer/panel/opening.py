@@ -53,8 +53,8 @@ def opening_page(sheet: Sheet, state: State, facts: Facts) -> State:
     flags = imgui.InputTextFlags_.enter_returns_true
     entered, typed = imgui.input_text_with_hint("##opening/path", "then Enter", state.opening or "", flags)
     sheet.mark("opening/path")
-    tip(OPTIONS)
     left = imgui.is_item_deactivated() and imgui.is_key_pressed(imgui.Key.escape)
+    tip(OPTIONS)
     if entered:
         imgui.set_keyboard_focus_here(-1)
         sheet.opens.extend(filter(None, [typed.strip()]))

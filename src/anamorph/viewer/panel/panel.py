@@ -165,7 +165,7 @@ def _status_line(sheet: Sheet, state: State, facts: Facts) -> None:
     imgui.begin("##status", None, FIXED | imgui.WindowFlags_.no_scrollbar)
     sheet.cover_window("status")
     words = [size_text(facts.picture)] if all(facts.picture) else []
-    if facts.samples_total > 1:
+    if all(facts.picture) and facts.samples_total > 1:
         words.append(f"{facts.samples_done} of {facts.samples_total} samples")
     if facts.frame_ms:
         words.append(f"{facts.frame_ms:.0f} ms, {1000.0 / facts.frame_ms:.0f} pictures a second")

@@ -111,8 +111,8 @@ def timing_section(sheet: Sheet, facts: Facts) -> None:
     if all(facts.picture):
         row("drawn", size_text(facts.picture))
         row("at rest", size_text(facts.full))
-    if facts.samples_total > 1:
-        row("samples", f"{facts.samples_done} of {facts.samples_total}")
+        if facts.samples_total > 1:
+            row("samples", f"{facts.samples_done} of {facts.samples_total}")
     row("adapter", facts.adapter)
 
 

@@ -9,7 +9,7 @@ from anamorph.viewer.state import TRUTH
 
 NOT_MEASURED = "\N{EN DASH}"
 
-LEAST_FIGURE = 1e-5
+LEAST_FIGURE = 1e-4
 """What is told of a figure below it is that it is: methods that draw the same differ by rounding."""
 
 
@@ -31,7 +31,7 @@ def figure(value: float | None) -> str:
     if value is None:
         return NOT_MEASURED
     if value < LEAST_FIGURE:
-        return f"< {LEAST_FIGURE:.5f}" if value else "0"
+        return f"< {LEAST_FIGURE:.4f}" if value else "0"
     if value < 0.1:
         return f"{value:.{max(3, 1 - math.floor(math.log10(value)))}f}"
     return f"{value:.{next(places for places, least in enumerate((100.0, 10.0, 1.0, 0.0)) if value >= least)}f}"

@@ -82,6 +82,7 @@ class Viewer:
         self.frames = 0
         self._settling = SETTLING
         self._pressed_at = 0.0
+        self._cursor = "default"
         self._closed = False
         self._begin(start, start.state)
         canvas.request_draw(self._draw)
@@ -165,7 +166,11 @@ class Viewer:
         size = right - left, bottom - top
         within = _moved(event, -left, -top)
         self._grip, self.state = handle(within, self._grip, self.state, size, self._home)
-        self._canvas.set_cursor(cursor(within, self.state, size, self._grip))
+        shape = cursor(within, self.state, size, self._grip)
+        if shape != self._cursor:
+            # Each is a message to every page: the slow ones' would pile up.
+            self._cursor = shape
+            self._canvas.set_cursor(shape)
 
     def _on_key(self, event: dict[str, Any]) -> None:
         self._take(event)

@@ -8,6 +8,8 @@ const wrapper = document.getElementById('canvas')
 const SLOWEST_RETRY = 4000 // milliseconds
 const TAKEN = new Set(['F1', 'Tab', 'Ctrl+o', 'Ctrl+s']) // keys for which viewer and browser each have a use
 
+const CONFIRMATION = '_framefeedback'
+
 let socket = null
 let retry = 250
 let active = null
@@ -49,6 +51,8 @@ class View extends window.BaseRenderView {
   }
 
   onEvent (event) {
+    // What a tab that watches would say of its pointer would be heard by nobody.
+    if (active !== true && event.type !== CONFIRMATION) { return }
     if (event.type.startsWith('pointer_')) {
       event = { ...event, ntouches: this.fingers.size, touches: Object.fromEntries(this.fingers) }
     }
@@ -77,7 +81,7 @@ class View extends window.BaseRenderView {
     const before = this.viewElement.src
     this.viewElement.src = URL.createObjectURL(new Blob([frame.data], { type: frame.mimetype }))
     if (before.startsWith('blob:')) { URL.revokeObjectURL(before) }
-    this.onEvent({ type: '_framefeedback', index: frame.index, timestamp: frame.timestamp, localtime: Date.now() / 1000 })
+    this.onEvent({ type: CONFIRMATION, index: frame.index, timestamp: frame.timestamp, localtime: Date.now() / 1000 })
   }
 
   // Have the observer tell the size anew: whoever draws knows only that of the tab which has controlled so far.

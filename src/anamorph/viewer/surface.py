@@ -123,6 +123,9 @@ class Surface:
             io.clear_input_mouse()
         if "key" in event and not _known(event["key"]):
             return
+        if event["event_type"] in ("pointer_down", "pointer_move"):
+            sources = imgui.MouseSource
+            io.add_mouse_source_event(sources.touch_screen if event.get("touches") else sources.mouse)
         if event["event_type"] in ("pointer_down", "pointer_up"):
             # A press comes before the move that led to it, and imgui takes its place from moves alone.
             io.add_mouse_pos_event(event["x"], event["y"])

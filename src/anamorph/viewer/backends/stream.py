@@ -9,13 +9,12 @@ from __future__ import annotations
 
 import asyncio
 import json
-from collections.abc import Awaitable, Callable
+from collections.abc import Callable
 from typing import Any
 
 from uvicorn.protocols.utils import ClientDisconnected
 
-Application = Callable[[Any, Any, Any], Awaitable[None]]
-"""As ASGI has it: scope, receive, send."""
+from anamorph.viewer.backends.gate import Application
 
 LONGEST_MESSAGE = 8192
 """From a page, in bytes: an event with ten fingers is one thousand."""

@@ -88,7 +88,7 @@ def number(
         _fill(_share(nought, *ends, logarithmic), _share(value, *ends, logarithmic))
         _words(label, said)
     if not imgui.is_item_active():
-        tip("\n".join(filter(None, (summary, _between(low, high, places, unit), "Ctrl-click to type."))))
+        tip("\n".join(filter(None, (summary, _between(low, high, places, unit), "Ctrl-click or double tap to type."))))
     if changed and math.isfinite(new):
         # imgui counts in float32; what is typed is not rounded to steps.
         value = min(max(round(new if typed else round(new / step) * step, 6), low), high)

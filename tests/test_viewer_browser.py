@@ -193,7 +193,7 @@ def test_two_fingers_pan_and_zoom_and_one_scrolls_the_panel(browser, tmp_path):
             frames = tab.report()["frames"]
             tab.tap(*place)
             # Until they have been drawn that show it, keys have another meaning.
-            tab.wait_until(lambda report: report["frames"] >= frames + 5, "the tap")
+            tab.wait_until(lambda report, before=frames: report["frames"] >= before + 5, "the tap")
         tab.page.keyboard.type("3.5")
         tab.key("Enter")
         tab.wait_until(lambda report: report["state"]["values"].get("mirror/tilt") == 3.5, "what was typed")

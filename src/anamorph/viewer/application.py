@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from time import perf_counter
 from typing import Any
@@ -48,6 +49,9 @@ REST_DELAY = 0.15
 TIP_DELAY = 0.4
 """Seconds until what the pointer rests on in the panel is explained: a little more than imgui waits."""
 
+UNSEEN = 0.25
+"""Seconds without a picture after which what is being saved goes on without: nobody looks."""
+
 Later = Callable[[float, Callable[[], None]], object]
 """Has something called after so many seconds."""
 
@@ -87,6 +91,7 @@ class Viewer:
         self.frames = 0
         self._settling = SETTLING
         self._pressed_at = 0.0
+        self._cursor = "default"
         self._closed = False
         self._begin(start, start.state)
         canvas.request_draw(self._draw)
@@ -176,7 +181,11 @@ class Viewer:
         size = right - left, bottom - top
         within = _moved(event, -left, -top)
         self._grip, self.state = handle(within, self._grip, self.state, size, self._home)
-        self._canvas.set_cursor(cursor(within, self.state, size, self._grip))
+        shape = cursor(within, self.state, size, self._grip)
+        if shape != self._cursor:
+            # Each is a message to every page: the slow ones' would pile up.
+            self._cursor = shape
+            self._canvas.set_cursor(shape)
 
     def _on_key(self, event: dict[str, Any]) -> None:
         self._take(event)
@@ -207,19 +216,22 @@ class Viewer:
         self._recover(device_lost())
         # Each for itself: whatever fails, the panel is there to say so.
         for step in (self._open_asked, self._show_panel, self._advance, self._mark, self._paint):
-            try:
-                step()
-            except wgpu.DrawCancelled:
-                # A window that cannot be drawn into now; the canvas tries again.
-                raise
-            except Exception as error:
-                self._tell(told(error, "drawing"))
-                if isinstance(error, wgpu.GPUError):
-                    self._let_go()
+            self._attempt(step)
         self.frames += 1
         if self._settling > 0:
             self._settling -= 1
             self._canvas.request_draw()
+
+    def _attempt(self, step: Callable[[], None]) -> None:
+        try:
+            step()
+        except wgpu.DrawCancelled:
+            # A window that cannot be drawn into now; the canvas tries again.
+            raise
+        except Exception as error:
+            self._tell(told(error, "drawing"))
+            if isinstance(error, wgpu.GPUError):
+                self._let_go()
 
     def _tell(self, message: str) -> None:
         """Show a message that may come up again with every frame, without a frame for each."""
@@ -327,6 +339,7 @@ class Viewer:
                 self.message = ""
                 shot = Shot(self.start.opened, self._scene, self.state, size, self._showing, self._picture)
                 self._saving = saving_of(request, shot, Path())
+                self._save_unseen(self._saving, frames=-1)
             self.refresh()
 
     def _save(self, saving: Saving) -> None:
@@ -340,6 +353,14 @@ class Viewer:
             self.message = told(error, "saving")
             self._stop_saving()
         self.refresh()
+
+    def _save_unseen(self, saving: Saving, frames: int) -> None:
+        """Go on with what is being saved where nothing has been drawn since so many frames: closed tabs end nothing."""
+        if saving is self._saving and self._later is not None:
+            unseen = frames == self.frames
+            if unseen:
+                self._attempt(self._advance)
+            self._later(0.01 if unseen else UNSEEN, partial(self._save_unseen, saving, self.frames))
 
     def _stop_saving(self) -> None:
         if self._saving is not None:

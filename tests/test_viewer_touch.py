@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from itertools import count
 
 import pytest
 from viewer_hand import Hand
 
+from anamorph.viewer import surface
 from anamorph.viewer.starting import start
 
 Point = tuple[float, float]
@@ -93,7 +95,13 @@ def test_a_tap_presses(hand):
     assert "mirror/swivel" not in hand.viewer.report()["rectangles"]
 
 
-def test_a_double_tap_on_a_slider_opens_it_for_typing(hand):
+@pytest.fixture
+def clock(monkeypatch):
+    """Time goes on by a sixtieth of a second a frame, however long the frame takes."""
+    monkeypatch.setattr(surface, "perf_counter", count(0.0, 1.0 / 60.0).__next__)
+
+
+def test_a_double_tap_on_a_slider_opens_it_for_typing(clock, hand):
     place = hand.widget("mirror/tilt", 0.5)
     slide(hand, place, 0.0)
     assert not hand.viewer._drawn.typing
@@ -105,7 +113,7 @@ def test_a_double_tap_on_a_slider_opens_it_for_typing(hand):
     assert hand.viewer.state.values["mirror/tilt"] == 3.5
 
 
-def test_a_double_click_of_the_mouse_does_not(hand):
+def test_a_double_click_of_the_mouse_does_not(clock, hand):
     for _ in range(2):
         slide(hand, hand.widget("mirror/tilt", 0.5), 0.0, finger=False)
     assert not hand.viewer._drawn.typing

@@ -8,7 +8,7 @@ import numpy as np
 import wgpu
 
 from anamorph.errors import AnamorphError
-from anamorph.gpu.bindings import SAMPLER, STORAGE, bind, layout_of, texture
+from anamorph.gpu.bindings import SAMPLER, STORAGE, UNIFORM, bind, layout_of, texture
 from anamorph.gpu.device import get_device, of_device
 from anamorph.gpu.textures import sky_texture, texture_array, texture_sampler
 from anamorph.scene.geometry import Geometry
@@ -31,6 +31,9 @@ VERTEX = np.dtype(
 
 SPARE = 1.25
 """How much larger than needed a buffer is made: a moving eye does not bring a new one every frame."""
+
+MOST_LIGHTS = 1024
+"""Directional and point lights of a scene, as many as shading.wgsl has room for."""
 
 OBJECT = np.dtype(
     [
@@ -85,14 +88,15 @@ class SceneBuffers:
 @of_device
 def shading_layout() -> wgpu.GPUBindGroupLayout:
     """The layout of group 0: lighting, objects, textures and sky."""
-    return layout_of(STORAGE, STORAGE, texture("2d-array"), SAMPLER, texture(), SAMPLER)
+    stages = wgpu.ShaderStage.VERTEX | wgpu.ShaderStage.FRAGMENT
+    return layout_of(UNIFORM, STORAGE, texture("2d-array"), SAMPLER, texture(), SAMPLER, stages=stages)
 
 
 def upload_scene(scene: Scene, geometry: Geometry) -> SceneBuffers:
     """Copy a scene to the device."""
     textures = _distinct_textures(scene)
     resources = [
-        storage_buffer(_lighting(scene)),
+        _uniform_buffer(_lighting(scene)),
         storage_buffer(_objects(scene, textures)),
         texture_array(textures).create_view(dimension="2d-array"),
         texture_sampler(),
@@ -121,6 +125,10 @@ def _most_bytes(needed: int) -> int:
             "simplify its meshes"
         )
     return limit
+
+
+def _uniform_buffer(data: np.ndarray) -> wgpu.GPUBuffer:
+    return get_device().create_buffer_with_data(data=data, usage=wgpu.BufferUsage.UNIFORM)
 
 
 def storage_buffer(data: np.ndarray, usage: int = 0) -> wgpu.GPUBuffer:
@@ -186,7 +194,9 @@ def _lighting(scene: Scene) -> np.ndarray:
     """The shader's `Lighting` structure, as 32-bit words."""
     lights = [light for light in scene.lights if not isinstance(light, AmbientLight)]
     ambient = [light for light in scene.lights if isinstance(light, AmbientLight)]
-    words = np.zeros((5 + 2 * max(len(lights), 1), 4), np.float32)
+    if len(lights) > MOST_LIGHTS:
+        raise AnamorphError(f"scene: has {len(lights)} lights, and {MOST_LIGHTS} are the most; leave the weakest out")
+    words = np.zeros((5 + 2 * MOST_LIGHTS, 4), np.float32)
     flags = words.view(np.uint32)
     words[0, :3] = np.sum([light.sky for light in ambient] or [(0, 0, 0)], axis=0)
     words[1, :3] = np.sum([light.ground for light in ambient] or [(0, 0, 0)], axis=0)

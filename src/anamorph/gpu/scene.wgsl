@@ -29,6 +29,9 @@ struct SceneFragment {
     @location(2) texcoord: vec2f,
     @location(3) color: vec3f,
     @location(4) @interpolate(flat) object: u32,
+    // The object's paint.
+    @location(5) @interpolate(flat) paint_color: vec3f,
+    @location(6) @interpolate(flat) texture_layer: u32,
 }
 
 // What a pixel sees: the world point and the object, and how it got its value.
@@ -85,6 +88,9 @@ fn scene_vertex(vertex: VertexIn) -> SceneFragment {
     fragment.texcoord = vertex.texcoord;
     fragment.color = vertex.color.rgb;
     fragment.object = vertex.object;
+    let paint = paint_of(vertex.object);
+    fragment.paint_color = paint.color;
+    fragment.texture_layer = paint.texture_layer;
     return fragment;
 }
 
@@ -99,7 +105,8 @@ fn no_color() -> @location(0) vec4f {
 }
 
 fn shaded(fragment: SceneFragment) -> vec4f {
-    return vec4f(shade(surface_point(fragment), viewing_direction(fragment.pixel.xy)), 1.0);
+    let paint = Paint(fragment.paint_color, fragment.texture_layer);
+    return vec4f(shade_painted(surface_point(fragment), paint, viewing_direction(fragment.pixel.xy)), 1.0);
 }
 
 fn stood_in(fragment: SceneFragment) -> vec4f {

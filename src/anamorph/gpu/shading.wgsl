@@ -21,7 +21,7 @@ struct Lighting {
     padding_1: f32,
     nadir: vec3f,
     padding_2: f32,
-    lights: array<Light>,
+    lights: array<Light, 1024>,
 }
 
 // Taps of the texture filter: footprints up to so many times as long as wide stay sharp.
@@ -58,7 +58,13 @@ struct SurfacePoint {
     object: u32,
 }
 
-@group(0) @binding(0) var<storage, read> lighting: Lighting;
+// What colours the points of an object.
+struct Paint {
+    color: vec3f,
+    texture_layer: u32,
+}
+
+@group(0) @binding(0) var<uniform> lighting: Lighting;
 // Indexed by object number less one.
 @group(0) @binding(1) var<storage, read> objects: array<Object>;
 @group(0) @binding(2) var diffuse_textures: texture_2d_array<f32>;
@@ -79,19 +85,35 @@ fn filtered_texel(point: SurfacePoint, layer: u32) -> vec3f {
     let taps = clamp(ceil(min(major / max(minor, 1e-12), major * size)), 1.0, MAXIMUM_TAPS);
     let level = log2(max(major / taps, minor) * size);
     var sum = vec3f(0.0);
-    for (var tap = 0.5; tap < taps; tap += 1.0) {
+    var tap = 0.5;
+    // The test comes last, here and at the lights: software runs what a loop holds once more when it begins with one.
+    loop {
         let place = point.texcoord + longer * (tap / taps - 0.5);
         sum += textureSampleLevel(diffuse_textures, diffuse_sampler, place, layer, level).rgb;
+        tap += 1.0;
+        if tap >= taps {
+            break;
+        }
     }
     return sum / taps;
 }
 
+fn paint_of(object: u32) -> Paint {
+    return Paint(objects[object - 1u].color, objects[object - 1u].texture_layer);
+}
+
 // Diffuse colour of a point whose normal is turned to the side it is seen from.
 fn shade(point: SurfacePoint, direction: vec3f) -> vec3f {
-    let object = objects[point.object - 1u];
+    return shade_painted(point, paint_of(point.object), direction);
+}
+
+// The same where the object's paint is known: to look it up for each fragment is slow on software Vulkan.
+fn shade_painted(point: SurfacePoint, paint: Paint, direction: vec3f) -> vec3f {
     let normal = faceForward(point.normal, direction, point.normal);
     var light = mix(lighting.ambient_ground, lighting.ambient_sky, 0.5 + 0.5 * normal.y);
-    for (var i = 0u; i < lighting.light_count; i++) {
+    var i = 0u;
+    // Where there is no light, there is a black one.
+    loop {
         let source = lighting.lights[i];
         var toward = source.place;
         var strength = 1.0;
@@ -102,10 +124,14 @@ fn shade(point: SurfacePoint, direction: vec3f) -> vec3f {
             strength = 1.0 / square;
         }
         light += source.color * (strength * max(dot(normal, toward), 0.0));
+        i++;
+        if i >= lighting.light_count {
+            break;
+        }
     }
-    var color = light * object.color * point.color;
-    if object.texture_layer > 0u {
-        color *= filtered_texel(point, object.texture_layer);
+    var color = light * paint.color * point.color;
+    if paint.texture_layer > 0u {
+        color *= filtered_texel(point, paint.texture_layer);
     }
     return min(color, vec3f(LARGEST_HALF));
 }

@@ -169,9 +169,9 @@ class Atlas:
         if kind == MapKind.END and not self._has_ends:
             return
         targets = {
-            MapKind.COLOR: (self._colors, color_pipelines(self._antialias)),
+            MapKind.COLOR: (self._colors, color_pipelines(self._antialias, sky_image=buffers.sky_image)),
             MapKind.DEPTH: (self._depths, map_pipelines()),
-            MapKind.BOTH: (self._both, color_and_depth_pipelines()),
+            MapKind.BOTH: (self._both, color_and_depth_pipelines(buffers.sky_image)),
             MapKind.END: (self._ends, end_pipelines()),
         }
         target, pipelines = targets[kind]

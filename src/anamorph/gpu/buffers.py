@@ -69,8 +69,10 @@ class SceneBuffers:
         Mesh i owns vertices first_vertex[i] to first_vertex[i + 1], and triangles likewise.
     specular, mirrors : tuple of int
         Indices of the meshes that are mirrors or glass, and of the mirrors alone.
-    bends : (meshes,) bool
-        Whether a mesh is specular.
+    bends, textured : (meshes,) bool
+        Whether a mesh is specular, and whether it has a texture.
+    sky_image : bool
+        Whether the sky is an image.
     shading : bind group
         Group 0 of every shader.
     """
@@ -82,6 +84,8 @@ class SceneBuffers:
     specular: tuple[int, ...]
     mirrors: tuple[int, ...]
     bends: np.ndarray
+    textured: np.ndarray
+    sky_image: bool
     shading: wgpu.GPUBindGroup
 
 
@@ -95,9 +99,10 @@ def shading_layout() -> wgpu.GPUBindGroupLayout:
 def upload_scene(scene: Scene, geometry: Geometry) -> SceneBuffers:
     """Copy a scene to the device."""
     textures = _distinct_textures(scene)
+    objects = _objects(scene, textures)
     resources = [
         _uniform_buffer(_lighting(scene)),
-        storage_buffer(_objects(scene, textures)),
+        storage_buffer(objects),
         texture_array(textures).create_view(dimension="2d-array"),
         texture_sampler(),
         sky_texture(scene.sky.image).create_view(dimension="2d"),
@@ -111,6 +116,8 @@ def upload_scene(scene: Scene, geometry: Geometry) -> SceneBuffers:
         specular=tuple(i for i, mesh in enumerate(scene.meshes) if mesh.specular),
         mirrors=tuple(i for i, mesh in enumerate(scene.meshes) if isinstance(mesh.material, Mirror)),
         bends=np.array([mesh.specular for mesh in scene.meshes], bool),
+        textured=objects["texture_layer"] > 0,
+        sky_image=scene.sky.image is not None,
         shading=bind(shading_layout(), resources),
     )
 

@@ -39,7 +39,7 @@ class CubeFace:
 
     def draw_color(self, encoder: wgpu.GPUCommandEncoder, buffers: SceneBuffers, absent: Sequence[int]) -> None:
         """Draw the scene's colours, all meshes but the absent ones."""
-        self._draw(encoder, self.color, color_pipelines(mirrored=True), buffers, absent)
+        self._draw(encoder, self.color, color_pipelines(mirrored=True, sky_image=buffers.sky_image), buffers, absent)
 
     def draw_depth(self, encoder: wgpu.GPUCommandEncoder, buffers: SceneBuffers, absent: Sequence[int]) -> None:
         """Draw the scene's depth and object numbers."""

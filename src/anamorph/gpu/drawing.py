@@ -105,6 +105,8 @@ class ScenePipelines:
     ----------
     depth, meshes : pipelines
         Diffuse meshes, first their depth alone, so that each pixel is shaded once.
+    plain : pipeline
+        The same as `meshes` for those without a texture.
     backs, stand_ins : pipelines
         Of specular meshes: the matt backs of mirrors, and the fronts that no method draws.
     sky : pipeline
@@ -112,32 +114,49 @@ class ScenePipelines:
 
     depth: wgpu.GPURenderPipeline
     meshes: wgpu.GPURenderPipeline
+    plain: wgpu.GPURenderPipeline
     backs: wgpu.GPURenderPipeline
     stand_ins: wgpu.GPURenderPipeline
     sky: wgpu.GPURenderPipeline
 
 
 def _scene_pipelines(
-    meshes: str, stand_ins: str, sky: str, formats: Sequence[str], samples: int = 1, mirrored: bool = False
+    meshes: str,
+    stand_ins: str,
+    sky: str,
+    formats: Sequence[str],
+    samples: int = 1,
+    mirrored: bool = False,
+    sky_image: bool = True,
 ) -> ScenePipelines:
     module = shader_module()
 
-    def pipeline(vertex: str, fragment: str, **settings: Any) -> wgpu.GPURenderPipeline:
-        return make_pipeline(module, vertex, fragment, formats, samples=samples, mirrored=mirrored, **settings)
+    def pipeline(vertex: str, fragment: str, textures: bool = True, **settings: Any) -> wgpu.GPURenderPipeline:
+        constants = {"SKY_IMAGE": int(sky_image), "TEXTURES": int(textures)}
+        return make_pipeline(
+            module, vertex, fragment, formats, samples=samples, mirrored=mirrored, constants=constants, **settings
+        )
 
     return ScenePipelines(
         depth=pipeline("depth_vertex", "no_color", write_mask=0),
         meshes=pipeline("scene_vertex", meshes, depth_compare="equal", depth_write=False),
-        backs=pipeline("scene_vertex", meshes, cull="front"),
+        plain=pipeline("scene_vertex", meshes, textures=False, depth_compare="equal", depth_write=False),
+        backs=pipeline("scene_vertex", meshes, textures=False, cull="front"),
         stand_ins=pipeline("scene_vertex", stand_ins, cull="back"),
         sky=pipeline("sky_vertex", sky, buffers=(), depth_compare="greater-equal", depth_write=False),
     )
 
 
 @of_device
-def color_pipelines(samples: int = 1, mirrored: bool = False) -> ScenePipelines:
-    """Shaded colour; `mirrored` for projections whose pictures are left-handed, as a cube map's faces are."""
-    return _scene_pipelines("scene_color", "stand_in_color", "sky_color_fragment", (COLOR_FORMAT,), samples, mirrored)
+def color_pipelines(samples: int = 1, mirrored: bool = False, sky_image: bool = True) -> ScenePipelines:
+    """Shaded colour; `mirrored` for projections whose pictures are left-handed, as a cube map's faces are.
+
+    Without a `sky_image` they draw only scenes whose sky is a gradient, and that faster.
+    """
+    formats = (COLOR_FORMAT,)
+    return _scene_pipelines(
+        "scene_color", "stand_in_color", "sky_color_fragment", formats, samples, mirrored, sky_image
+    )
 
 
 @of_device
@@ -147,10 +166,11 @@ def seen_pipelines() -> ScenePipelines:
 
 
 @of_device
-def color_and_depth_pipelines() -> ScenePipelines:
+def color_and_depth_pipelines(sky_image: bool = True) -> ScenePipelines:
     """Colour and a map's depth in one pass."""
+    formats = (COLOR_FORMAT, *MAP_FORMATS)
     return _scene_pipelines(
-        "scene_color_and_depth", "stand_in_color_and_depth", "sky_color_and_depth", (COLOR_FORMAT, *MAP_FORMATS)
+        "scene_color_and_depth", "stand_in_color_and_depth", "sky_color_and_depth", formats, sky_image=sky_image
     )
 
 
@@ -202,9 +222,10 @@ def draw_scene(
     render_pass.set_vertex_buffer(0, buffers.vertices)
     render_pass.set_index_buffer(buffers.indices, "uint32")
     present = np.ones(len(buffers.first_face) - 1, bool) if visible is None else visible
-    diffuse = _runs(present & ~buffers.bends)
-    _draw_ranges(render_pass, pipelines.depth, buffers, diffuse)
-    _draw_ranges(render_pass, pipelines.meshes, buffers, diffuse)
+    diffuse = present & ~buffers.bends
+    _draw_ranges(render_pass, pipelines.depth, buffers, _runs(diffuse))
+    _draw_ranges(render_pass, pipelines.meshes, buffers, _runs(diffuse & buffers.textured))
+    _draw_ranges(render_pass, pipelines.plain, buffers, _runs(diffuse & ~buffers.textured))
     mirrors = [index for index in buffers.mirrors if present[index]]
     _draw_ranges(render_pass, pipelines.backs, buffers, [(i, i + 1) for i in mirrors])
     _draw_ranges(render_pass, pipelines.stand_ins, buffers, [(i, i + 1) for i in mirrors if i not in replaced])

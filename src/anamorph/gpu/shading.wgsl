@@ -30,6 +30,11 @@ const MAXIMUM_TAPS = 8.0;
 // Pictures are half floats; what is beyond the largest would be infinite on some devices, and NaN after a blend.
 const LARGEST_HALF = 65504.0;
 
+// 0 where it is known that no image replaces the sky's gradient, and that no object has a texture: constants, because
+// software runs what a branch leaves out.
+override SKY_IMAGE: i32 = 1;
+override TEXTURES: i32 = 1;
+
 // kind of an object
 const DIFFUSE = 0u;
 const MIRROR = 1u;
@@ -130,7 +135,7 @@ fn shade_painted(point: SurfacePoint, paint: Paint, direction: vec3f) -> vec3f {
         }
     }
     var color = light * paint.color * point.color;
-    if paint.texture_layer > 0u {
+    if TEXTURES == 1 && paint.texture_layer > 0u {
         color *= filtered_texel(point, paint.texture_layer);
     }
     return min(color, vec3f(LARGEST_HALF));
@@ -139,7 +144,7 @@ fn shade_painted(point: SurfacePoint, paint: Paint, direction: vec3f) -> vec3f {
 // What a ray sees that hits nothing; `spread` is the angle of a pixel, radians.
 fn sky_color(direction: vec3f, spread: f32) -> vec3f {
     let unit = normalize(direction);
-    if lighting.sky_image == 1u {
+    if SKY_IMAGE == 1 && lighting.sky_image == 1u {
         let width = f32(textureDimensions(sky_texture).x);
         let level = max(log2(spread * width / 6.2831853), 0.0);
         let u = 0.5 + atan2(unit.x, -unit.z) / 6.2831853;
@@ -149,11 +154,19 @@ fn sky_color(direction: vec3f, spread: f32) -> vec3f {
     return mix(lighting.horizon, select(lighting.nadir, lighting.zenith, unit.y > 0.0), sqrt(abs(unit.y)));
 }
 
+// A mirror's tint, and its reflectance at normal incidence.
+fn silver_of(number: u32) -> vec4f {
+    return vec4f(objects[number - 1u].tint, objects[number - 1u].parameter);
+}
+
 // Tint and Schlick's reflectance of a mirror at the cosine between its normal and the ray.
-fn mirror_reflectance(number: u32, cosine: f32) -> vec3f {
-    let object = objects[number - 1u];
+fn schlick(silver: vec4f, cosine: f32) -> vec3f {
     let rest = pow(1.0 - clamp(abs(cosine), 0.0, 1.0), 5.0);
-    return object.tint * (object.parameter + (1.0 - object.parameter) * rest);
+    return silver.rgb * (silver.w + (1.0 - silver.w) * rest);
+}
+
+fn mirror_reflectance(number: u32, cosine: f32) -> vec3f {
+    return schlick(silver_of(number), cosine);
 }
 
 // What glass lets through of the light that crosses it twice, but for Fresnel's share.

@@ -137,7 +137,11 @@ class PerVertexDrawing:
             "gpu/vertices.wgsl", "gpu/map.wgsl",
             *(f"methods/{name}.wgsl" for name in ("warp", "pervertex", "lens", "doubt")),
         )  # fmt: skip
-        constants: dict[str, float] = {"REFINEMENTS": options.refine, "MIPMAPS": int(options.mipmaps)}
+        constants: dict[str, float] = {
+            "REFINEMENTS": options.refine,
+            "MIPMAPS": int(options.mipmaps),
+            "SKY_IMAGE": int(stage.buffers.sky_image),
+        }
 
         @cache
         def pipeline(bends: bool, sides: int, cube: bool, output: str) -> wgpu.GPURenderPipeline:

@@ -143,7 +143,7 @@ class DrawingSession:
         self._stage = stage
         self._drawing = drawing
         self._target = make_target(stage.view.size, (COLOR_FORMAT,), antialias)
-        self._pipelines = color_pipelines(antialias)
+        self._pipelines = color_pipelines(antialias, sky_image=stage.buffers.sky_image)
         self._timer = device_timer()
         self._phases: dict[str, float] = {}
 

@@ -132,7 +132,7 @@ def _scene_pipelines(
     module = shader_module()
 
     def pipeline(vertex: str, fragment: str, textures: bool = True, **settings: Any) -> wgpu.GPURenderPipeline:
-        constants = {"SKY_IMAGE": int(sky_image), "TEXTURES": int(textures)}
+        constants: dict[str, float] = {"SKY_IMAGE": int(sky_image), "TEXTURES": int(textures)}
         return make_pipeline(
             module, vertex, fragment, formats, samples=samples, mirrored=mirrored, constants=constants, **settings
         )

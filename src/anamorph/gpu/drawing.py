@@ -53,7 +53,7 @@ def projection_uniform() -> ProjectionUniform:
 def make_pipeline(
     module: wgpu.GPUShaderModule,
     vertex: str,
-    fragment: str,
+    fragment: str | None,
     formats: Sequence[str],
     *,
     buffers: Sequence[dict] = (VERTEX_LAYOUT,),
@@ -69,17 +69,13 @@ def make_pipeline(
 ) -> wgpu.GPURenderPipeline:
     """A pipeline that binds shading, projection, and then `groups`; `constants` set the shader's overrides.
 
-    It is compiled once: a session that is opened anew for another scene finds what the one before it has left.
+    Without a `fragment` it is for passes of depth alone. It is compiled once: a session that is opened anew for another
+    scene finds what the one before it has left.
     """
     layouts = [shading_layout(), projection_layout(), *groups]
     stage = {"constants": constants or {}}
     description: dict[str, dict[str, Any]] = {
         "vertex": {"entry_point": vertex, "buffers": list(buffers), **stage},
-        "fragment": {
-            "entry_point": fragment,
-            **stage,
-            "targets": [{"format": form, "write_mask": write_mask} for form in formats],
-        },
         "primitive": {"topology": topology, "cull_mode": cull, "front_face": "cw" if mirrored else "ccw"},
         "depth_stencil": {
             "format": DEPTH_FORMAT,
@@ -88,10 +84,13 @@ def make_pipeline(
         },
         "multisample": {"count": samples},
     }
+    if fragment is not None:
+        targets = [{"format": form, "write_mask": write_mask} for form in formats]
+        description["fragment"] = {"entry_point": fragment, **stage, "targets": targets}
 
     def make() -> wgpu.GPURenderPipeline:
         layout = get_device().create_pipeline_layout(bind_group_layouts=layouts)
-        stages = {name: {"module": module, **description[name]} for name in ("vertex", "fragment")}
+        stages = {name: {"module": module, **description[name]} for name in {"vertex", "fragment"} & set(description)}
         return get_device().create_render_pipeline(layout=layout, **(description | stages))
 
     return once(("pipeline", str(description), module, *layouts), make)
@@ -104,7 +103,7 @@ class ScenePipelines:
     Parameters
     ----------
     depth, meshes : pipelines
-        Diffuse meshes, first their depth alone, so that each pixel is shaded once.
+        Diffuse meshes: their depth, in a pass of its own, and then what is nearest, so that each pixel is shaded once.
     plain : pipeline
         The same as `meshes` for those without a texture.
     backs, stand_ins : pipelines
@@ -138,7 +137,7 @@ def _scene_pipelines(
         )
 
     return ScenePipelines(
-        depth=pipeline("depth_vertex", "no_color", write_mask=0),
+        depth=make_pipeline(module, "depth_vertex", None, (), samples=samples, mirrored=mirrored),
         meshes=pipeline("scene_vertex", meshes, depth_compare="equal", depth_write=False),
         plain=pipeline("scene_vertex", meshes, textures=False, depth_compare="equal", depth_write=False),
         backs=pipeline("scene_vertex", meshes, textures=False, cull="front"),
@@ -192,6 +191,27 @@ def bind_scene(render_pass: wgpu.GPURenderPassEncoder, buffers: SceneBuffers, pr
     render_pass.set_bind_group(1, projection.group)
 
 
+def draw_depth(
+    render_pass: wgpu.GPURenderPassEncoder,
+    pipelines: ScenePipelines,
+    buffers: SceneBuffers,
+    projection: ProjectionUniform,
+    visible: np.ndarray | None = None,
+    extra: Callable[[wgpu.GPURenderPassEncoder], None] | None = None,
+) -> None:
+    """Draw the depth of the diffuse meshes, in a pass that has no colours. The parameters are those of `draw_scene`."""
+    bind_scene(render_pass, buffers, projection)
+    if extra is not None:
+        extra(render_pass)
+    render_pass.set_vertex_buffer(0, buffers.vertices)
+    render_pass.set_index_buffer(buffers.indices, "uint32")
+    _draw_ranges(render_pass, pipelines.depth, buffers, _runs(_present(buffers, visible) & ~buffers.bends))
+
+
+def _present(buffers: SceneBuffers, visible: np.ndarray | None) -> np.ndarray:
+    return np.ones(len(buffers.first_face) - 1, bool) if visible is None else visible
+
+
 def draw_scene(
     render_pass: wgpu.GPURenderPassEncoder,
     pipelines: ScenePipelines,
@@ -207,6 +227,7 @@ def draw_scene(
     Parameters
     ----------
     render_pass, pipelines, buffers, projection
+        The pass keeps the depth that `draw_depth` has left.
     replaced : sequence of int
         The mirrors whose fronts a method draws itself.
     visible : (meshes,) bool, optional
@@ -221,9 +242,8 @@ def draw_scene(
         extra(render_pass)
     render_pass.set_vertex_buffer(0, buffers.vertices)
     render_pass.set_index_buffer(buffers.indices, "uint32")
-    present = np.ones(len(buffers.first_face) - 1, bool) if visible is None else visible
+    present = _present(buffers, visible)
     diffuse = present & ~buffers.bends
-    _draw_ranges(render_pass, pipelines.depth, buffers, _runs(diffuse))
     _draw_ranges(render_pass, pipelines.meshes, buffers, _runs(diffuse & buffers.textured))
     _draw_ranges(render_pass, pipelines.plain, buffers, _runs(diffuse & ~buffers.textured))
     mirrors = [index for index in buffers.mirrors if present[index]]

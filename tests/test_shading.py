@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from importlib import resources
 
 import numpy as np
 import pytest
@@ -271,6 +272,8 @@ def test_all_lights_that_a_scene_may_have_shine_and_one_more_is_refused():
     assert picture(white, (*dark, bright)).color[24, 32] == pytest.approx(bright.color, abs=HALF)
     with pytest.raises(AnamorphError, match="1025 lights, and 1024 are the most"):
         picture(white, (*dark, bright, bright))
+    # Some drivers read on beyond a uniform's end, so that a picture does not tell.
+    assert f"array<Light, {MOST_LIGHTS}>" in (resources.files("anamorph") / "gpu/shading.wgsl").read_text()
 
 
 def test_a_light_that_touches_a_surface_leaves_finite_colours():

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
 from time import perf_counter
@@ -20,13 +20,22 @@ from anamorph.gpu.drawing import (
     ScenePipelines,
     bind_scene,
     color_pipelines,
+    draw_depth,
     draw_scene,
     projection_uniform,
     seen_pipelines,
     submit,
     wait,
 )
-from anamorph.gpu.targets import COLOR_FORMAT, SEEN_FORMATS, Target, begin_pass, make_target, read_texture
+from anamorph.gpu.targets import (
+    COLOR_FORMAT,
+    SEEN_FORMATS,
+    Target,
+    begin_depth_pass,
+    begin_pass,
+    make_target,
+    read_texture,
+)
 from anamorph.gpu.timing import device_timer
 from anamorph.projection import camera_projection
 from anamorph.raymesh import RayMesh
@@ -143,7 +152,7 @@ class DrawingSession:
         self._stage = stage
         self._drawing = drawing
         self._target = make_target(stage.view.size, (COLOR_FORMAT,), antialias)
-        self._pipelines = color_pipelines(antialias)
+        self._pipelines = color_pipelines(antialias, sky_image=stage.buffers.sky_image)
         self._timer = device_timer()
         self._phases: dict[str, float] = {}
 
@@ -161,12 +170,7 @@ class DrawingSession:
             self._timer.begin(encoder)
         self._drawing.prepare(encoder, camera, shift)
         prepared = perf_counter()
-        render_pass = begin_pass(encoder, self._target)
-        # What stands behind a mirror need not be shaded: the mirror comes first.
-        bind_scene(render_pass, stage.buffers, stage.projection)
-        self._drawing.draw_color(render_pass)
-        self._draw_scene(render_pass, self._pipelines)
-        render_pass.end()
+        self._draw(encoder, self._target, self._pipelines, self._drawing.draw_color)
         if self._timer is not None:
             self._timer.end(encoder)
         submit(encoder)
@@ -179,10 +183,25 @@ class DrawingSession:
         """Where a frame's time goes."""
         return dict(self._phases)
 
-    def _draw_scene(self, render_pass: wgpu.GPURenderPassEncoder, pipelines: ScenePipelines) -> None:
-        if self._stage.pinhole:
-            buffers, projection = self._stage.buffers, self._stage.projection
+    def _draw(
+        self,
+        encoder: wgpu.GPUCommandEncoder,
+        target: Target,
+        pipelines: ScenePipelines,
+        draw_specular: Callable[[wgpu.GPURenderPassEncoder], None],
+    ) -> None:
+        buffers, projection, pinhole = self._stage.buffers, self._stage.projection, self._stage.pinhole
+        depth_pass = begin_depth_pass(encoder, target)
+        if pinhole:
+            draw_depth(depth_pass, pipelines, buffers, projection)
+        depth_pass.end()
+        render_pass = begin_pass(encoder, target, keep_depth=True)
+        # What stands behind a mirror need not be shaded: the mirror comes first.
+        bind_scene(render_pass, buffers, projection)
+        draw_specular(render_pass)
+        if pinhole:
             draw_scene(render_pass, pipelines, buffers, projection, self._drawing.replaced)
+        render_pass.end()
 
     def deform(self, positions: np.ndarray, normals: np.ndarray) -> None:
         """Move the scene's vertices."""
@@ -207,11 +226,7 @@ class DrawingSession:
         target = make_target(stage.view.size, SEEN_FORMATS)
         encoder = get_device().create_command_encoder()
         self._drawing.prepare_seen(encoder)
-        render_pass = begin_pass(encoder, target)
-        bind_scene(render_pass, stage.buffers, stage.projection)
-        self._drawing.draw_seen(render_pass)
-        self._draw_scene(render_pass, seen_pipelines())
-        render_pass.end()
+        self._draw(encoder, target, seen_pipelines(), self._drawing.draw_seen)
         submit(encoder)
         point, flags, deviation = (read_texture(texture) for texture in target.textures)
         # What nothing has drawn: even the sky leaves its status.

@@ -69,6 +69,12 @@ def composed(
     return read_texture(target)[..., :3].astype(float)
 
 
+def move(showing: Showing, scene: Scene, state: State) -> None:
+    """Take notice of a state, and finish the picture that it begins."""
+    while showing.update(scene, state, SIZE) and showing.moving:
+        pass
+
+
 def settle(showing: Showing) -> None:
     while showing.rest():
         pass
@@ -226,7 +232,7 @@ def test_what_moves_starts_the_picture_over_and_a_layer_does_not(scene: Scene) -
 def test_errors_are_measured_while_it_moves_and_at_rest(scene: Scene) -> None:
     showing = Showing()
     state = replace(STATE, first=Half("environment", Layer.ERROR), second=Half("raytrace"), split=True)
-    showing.update(scene, state, SIZE)
+    move(showing, scene, state)
     assert showing.halves[0].layer is not None and showing.halves[1].layer is None
     settle(showing)
     worst = showing.measured["environment"].figures.angular_mrad.max

@@ -173,7 +173,13 @@ class Layer:
     ) -> Generator[None, None, wgpu.GPUCommandEncoder]:
         """Find what is seen, and colour it; returns the encoder to go on with."""
         encoder = yield from self.visibility.draw(encoder, recorder, projection)
+        if self.visibility.many:
+            encoder = recorder.part(encoder)
+            yield
         self.coloring.draw(encoder, projection, clear)
+        if self.visibility.many:
+            encoder = recorder.part(encoder)
+            yield
         return encoder
 
 

@@ -24,7 +24,7 @@ from anamorph.methods.ray_records import PIECE, RAY_TRIANGLE, STRAIGHT_CORNER
 NUMBER_FORMAT = "r32uint"
 WEIGHTS_FORMAT = "rg32float"
 
-AT_ONCE = 3 * 2**14
+AT_ONCE = 3 * 2**13
 """Corners of pieces that the device is given at once."""
 
 FINENESS = 2
@@ -162,6 +162,11 @@ class Visibility:
     def count(self) -> int:
         """How many ray triangles there are."""
         return self._count
+
+    @property
+    def many(self) -> bool:
+        """Whether there are so many pieces that the device is given them in parts."""
+        return self._corners > AT_ONCE
 
     def write(self, triangles: np.ndarray, pairs: np.ndarray, pieces: np.ndarray) -> None:
         """Take over ray triangles (K,) of `RAY_TRIANGLE`, pairs of `PAIR`, and `PIECE` or `STRAIGHT_CORNER`s."""

@@ -33,6 +33,11 @@ from anamorph.trilinear.straight import straight_pieces
 from anamorph.trilinear.tree import Tree
 
 
+AROUND = 1.0 / 8.0
+"""Pixels by which rays that follow are planned beyond the middles of the pixels that ask for them. Next to the curved
+mirror that they left they spread wide: a whole pixel's may see all of the scene, of which its middle sees one point."""
+
+
 @dataclass(frozen=True, eq=False)
 class World:
     """The scene's triangles, F of them.
@@ -141,8 +146,8 @@ class Layer:
             return None
         sent = following_rays(before.beams, before.plan, chosen, world.corners, world.normals)
         yield
-        # The rectangle of the pixels that see the mirror: pieces may reach further.
-        low_high = box + np.array([-0.5, -0.5, 0.5, 0.5])
+        # The rectangle of the middles of the pixels that see the mirror: pieces may reach further.
+        low_high = box + AROUND * np.array([-1.0, -1.0, 1.0, 1.0])
         domain = low_high[:, [[0, 1], [2, 1], [2, 3], [0, 3]]] + before.beams.center[pair[chosen, 0]][:, None]
         beams = yield from making_beams(
             sent.picture, sent.origins, sent.directions, self._size, world.near, 1.0, domain

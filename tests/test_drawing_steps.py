@@ -204,6 +204,23 @@ def test_a_piece_that_fails_is_told_when_no_other_runs(monkeypatch: pytest.Monke
     assert running == 0
 
 
+def test_what_has_begun_is_at_its_end_when_it_is_closed(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(compiled, "cores", lambda: 2)
+    let_go, begun, done = threading.Event(), set[int](), set[int]()
+
+    def work(start: int, stop: int) -> None:
+        begun.add(start)
+        let_go.wait(60.0)
+        done.add(start)
+
+    going = compiled.steps_over_all_cores(work, 40, 1)
+    while not begun:
+        next(going)
+    threading.Timer(0.05, let_go.set).start()
+    going.close()
+    assert begun == done and 0 < len(done) < 40
+
+
 def test_long_pieces_do_not_hold_a_step_up(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(compiled, "cores", lambda: 2)
     let_go = threading.Event()
@@ -243,7 +260,9 @@ def test_steps_in_other_words_and_timed_end_when_they_are_left(monkeypatch: pyte
     monkeypatch.setattr(steps, "perf_counter", lambda: seconds)
     for outer in (timed, lambda inner: retold(inner, str)):
         ended: list[str] = []
-        going = outer(counting(ended))
+        # That nobody else holds the inner steps must not be what ends them.
+        inner = counting(ended)
+        going = outer(inner)
         next(going)
         going.close()
         assert ended == ["ended"]

@@ -32,7 +32,6 @@ from anamorph.trilinear.plan import Plan, Planner
 from anamorph.trilinear.straight import straight_pieces
 from anamorph.trilinear.tree import Tree
 
-
 AROUND = 1.0 / 8.0
 """Pixels by which rays that follow are planned beyond the middles of the pixels that ask for them. Next to the curved
 mirror that they left they spread wide: a whole pixel's may see all of the scene, of which its middle sees one point."""

@@ -15,7 +15,7 @@ from anamorph.scene.camera import Camera
 from anamorph.scene.model import Scene
 from anamorph.steps import retold, timed
 from anamorph.viewer.compose import LayerTexture, Shown
-from anamorph.viewer.fluency import COARSEST, SCALES, SLOWEST, Fluency, scaled
+from anamorph.viewer.fluency import COARSEST, SCALES, Fluency, scaled
 from anamorph.viewer.measured import Measured, error_layer, measure_half, status_layer
 from anamorph.viewer.pictures import MethodPictures, Size
 from anamorph.viewer.state import TRUTH, Half, Layer, State, shown_camera
@@ -24,7 +24,7 @@ LONG = 4e3
 """Milliseconds that a picture at rest may be expected to take; on the way to a longer one, coarser ones are drawn, each
 of which can be the last when something moves."""
 
-FRAME = SLOWEST
+FRAME = 30.0
 """Milliseconds of drawing after which the canvas is painted, and the drawing goes on in its next frame."""
 
 STALE = 2e3

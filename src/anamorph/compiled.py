@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 import os
 from collections.abc import Callable, Generator
-from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
+from concurrent.futures import Future, ThreadPoolExecutor, wait
 from functools import cache
 from itertools import islice
 from pathlib import Path
@@ -16,7 +16,7 @@ import numba
 STEP = 0.01
 """Seconds that work in steps goes on for, at most, before it says so."""
 
-AHEAD = 4
+AHEAD = 8
 """Pieces a core that work in steps has on their way at once: other work comes after no more than these."""
 
 
@@ -103,16 +103,19 @@ def steps_over_all_cores(work: Callable[[int, int], None], count: int, grain: in
             work(start, min(start + grain, count))
             yield
         return
-    waiting, going = iter(starts), set[Future[None]]()
+    waiting, going = iter(starts), list[Future[None]]()
     try:
         while True:
             for start in islice(waiting, AHEAD * cores() - len(going)):
-                going.add(_threads().submit(work, start, min(start + grain, count)))
+                going.append(_threads().submit(work, start, min(start + grain, count)))
             if not going:
                 return
-            done, going = wait(going, STEP, FIRST_COMPLETED)
+            # To wake for each piece would take time from those that run.
+            wait(going[: AHEAD * cores() // 2], STEP)
+            done = {piece for piece in going if piece.done()}
             for piece in done:
                 piece.result()
+            going = [piece for piece in going if piece not in done]
             yield
     finally:
         for piece in going:

@@ -459,3 +459,24 @@ def test_every_builtin_scene_opens() -> None:
         hand.draw(2)
         assert hand.viewer.report()["message"] == "" and make(name).name == hand.viewer.report()["scene"]
         hand.close()
+
+
+def test_keys_pointer_and_panel_answer_while_a_slow_picture_is_drawn(hand: Hand, monkeypatch) -> None:
+    monkeypatch.setattr("anamorph.viewer.showing.FRAME", 0.0)
+    monkeypatch.setattr("anamorph.methods.paths.GRAIN", 64)
+    monkeypatch.setattr("anamorph.compiled.cores", lambda: 1)
+    viewer = hand.viewer
+    hand.settle()
+    viewer.state = replace(viewer.state, first=Half("raytrace"), resolution=1.0)
+    before = hand.draw()
+    assert viewer._showing.moving
+    hand.key("F1")
+    assert viewer.state.help and viewer._showing.moving
+    hand.key("F1")
+    hand.drag(hand.place(0.5, 0.5), hand.place(0.6, 0.5))
+    assert viewer._showing.moving and viewer.state.camera != viewer.start.state.camera
+    left = hand.viewer.report()["covered"][0][2]
+    assert np.array_equal(hand.draw()[:, int(left) + 1 :], before[:, int(left) + 1 :]), "the last finished picture"
+    while viewer._showing.moving:
+        hand.draw()
+    assert not np.array_equal(hand.draw()[:, int(left) + 1 :], before[:, int(left) + 1 :])

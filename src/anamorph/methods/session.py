@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Generator, Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
 from time import perf_counter
@@ -25,8 +25,8 @@ from anamorph.gpu.drawing import (
     projection_uniform,
     seen_pipelines,
     submit,
-    wait,
 )
+from anamorph.gpu.recording import Recorder
 from anamorph.gpu.targets import (
     COLOR_FORMAT,
     SEEN_FORMATS,
@@ -36,11 +36,11 @@ from anamorph.gpu.targets import (
     make_target,
     read_texture,
 )
-from anamorph.gpu.timing import device_timer
 from anamorph.projection import camera_projection
 from anamorph.raymesh import RayMesh
 from anamorph.scene.camera import Camera
 from anamorph.scene.geometry import Geometry, flatten
+from anamorph.steps import drain, timed
 
 
 class SpecularDrawing(Protocol):
@@ -58,8 +58,14 @@ class SpecularDrawing(Protocol):
         """Take notice that vertices have moved: they are where `geometry` says, and so on the device."""
         ...
 
-    def prepare(self, encoder: wgpu.GPUCommandEncoder, camera: Any, shift: tuple[float, float]) -> None:
-        """Record whatever must be drawn or uploaded before the picture: maps, texture coordinates, hits."""
+    def prepare(
+        self, encoder: wgpu.GPUCommandEncoder, camera: Any, shift: tuple[float, float]
+    ) -> Generator[None, None, wgpu.GPUCommandEncoder] | None:
+        """Record whatever must be drawn or uploaded before the picture: maps, texture coordinates, hits.
+
+        Where that may take long it is a generator, which yields every few milliseconds and returns the encoder to go
+        on with: see `Recorder.part`. It may be closed at any step; the next frame then begins anew.
+        """
         ...
 
     def draw_color(self, render_pass: wgpu.GPURenderPassEncoder) -> None:
@@ -92,6 +98,7 @@ class Stage:
 
     Attributes
     ----------
+    recorder : Recorder
     pinhole : bool
         Whether the camera is one. If it is a ray mesh, only the picture's size in the projection means something, and
         the session leaves all drawing to the method.
@@ -105,6 +112,7 @@ class Stage:
             width, height = view.size
             raise AnamorphError(f"size {width}x{height}: give a width and height from 1 to {maximum_size()}")
         self.view = view
+        self.recorder = Recorder()
         self.pinhole = not isinstance(view.camera, RayMesh)
         self.geometry: Geometry = flatten(view.scene)
         self.buffers: SceneBuffers = upload_scene(view.scene, self.geometry)
@@ -153,7 +161,6 @@ class DrawingSession:
         self._drawing = drawing
         self._target = make_target(stage.view.size, (COLOR_FORMAT,), antialias)
         self._pipelines = color_pipelines(antialias, sky_image=stage.buffers.sky_image)
-        self._timer = device_timer()
         self._phases: dict[str, float] = {}
 
     @property
@@ -163,20 +170,24 @@ class DrawingSession:
 
     def draw(self, camera: Camera | RayMesh, shift: tuple[float, float] = (0.0, 0.0)) -> None:
         """Submit one frame."""
+        drain(self.drawing(camera, shift))
+
+    def drawing(self, camera: Camera | RayMesh, shift: tuple[float, float] = (0.0, 0.0)) -> Generator[None, None, None]:
+        """Submit one frame in steps. See `Stepwise`."""
         stage, began = self._stage, perf_counter()
         stage.look(camera, shift)
-        encoder = get_device().create_command_encoder()
-        if self._timer is not None:
-            self._timer.begin(encoder)
-        self._drawing.prepare(encoder, camera, shift)
+        encoder = stage.recorder.begin()
+        steps = self._drawing.prepare(encoder, camera, shift)
+        preparing = perf_counter() - began
+        if steps is not None:
+            encoder, seconds = yield from timed(steps)
+            preparing += seconds
         prepared = perf_counter()
         self._draw(encoder, self._target, self._pipelines, self._drawing.draw_color)
-        if self._timer is not None:
-            self._timer.end(encoder)
-        submit(encoder)
+        stage.recorder.submit(encoder)
         recorded = perf_counter()
         self._drawing.complete(self._target, camera, shift)
-        spent = {"prepare": prepared - began, "record": recorded - prepared, "mend": perf_counter() - recorded}
+        spent = {"prepare": preparing, "record": recorded - prepared, "mend": perf_counter() - recorded}
         self._phases |= {phase: 1000.0 * seconds for phase, seconds in spent.items()}
 
     def phases(self) -> Mapping[str, float]:
@@ -210,10 +221,7 @@ class DrawingSession:
 
     def wait(self) -> None:
         """Return when every submitted frame is finished."""
-        if self._timer is None:
-            wait()
-            return
-        milliseconds = self._timer.wait()
+        milliseconds = self._stage.recorder.wait()
         if milliseconds is not None:
             self._phases["device"] = milliseconds
 

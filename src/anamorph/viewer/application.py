@@ -52,6 +52,9 @@ TIP_DELAY = 0.4
 UNSEEN = 0.25
 """Seconds without a picture after which what is being saved goes on without: nobody looks."""
 
+SAVING = 0.025
+"""Seconds of a frame that go to what is being saved."""
+
 Later = Callable[[float, Callable[[], None]], object]
 """Has something called after so many seconds."""
 
@@ -250,13 +253,16 @@ class Viewer:
             self.message = "the graphics device was lost; this is drawn with a new one"
 
     def _advance(self) -> None:
-        """Draw what has moved; else take one step of what is to be done at rest."""
+        """Draw what has moved; else take a step of what is to be done at rest."""
         scene, size, now = self._edited_scene(), self._pixels[2:], perf_counter()
         if not scene.meshes or min(size) < 1:
             return
         if self._showing.update(scene, self.state, size):
             self._changed_at = now
-            self._wake(REST_DELAY)
+            if self._showing.moving:
+                self._canvas.request_draw()
+            else:
+                self._wake(REST_DELAY)
             return
         if self._saving is not None:
             self._save(self._saving)
@@ -343,9 +349,11 @@ class Viewer:
             self.refresh()
 
     def _save(self, saving: Saving) -> None:
-        """Take one step of what is being saved."""
+        """Take steps of what is being saved, for a part of a frame."""
+        began = perf_counter()
         try:
-            self._progress = next(saving)
+            while perf_counter() - began < SAVING:
+                self._progress = next(saving)
         except StopIteration as end:
             self.message = end.value
             self._stop_saving()

@@ -168,6 +168,7 @@ def test_every_shader_compiles(name):
         "methods/warp.wgsl": warp,
         "methods/pervertex.wgsl": (*warp, "methods/warp.wgsl"),
         "methods/lens.wgsl": (*warp, "methods/warp.wgsl"),
+        "methods/looked_up.wgsl": (*warp, "methods/warp.wgsl", "methods/lens.wgsl"),
         "methods/doubt.wgsl": (*warp, *(f"methods/{room}.wgsl" for room in ("warp", "pervertex", "lens"))),
         "methods/raytrace.wgsl": ("gpu/vertices.wgsl",),
         "methods/visibility.wgsl": ("gpu/vertices.wgsl",),

@@ -12,8 +12,8 @@ import pytest
 from anamorph.frame import View
 from anamorph.gpu import timing
 from anamorph.gpu.device import get_device
-from anamorph.gpu.drawing import color_pipelines, draw_scene, submit
-from anamorph.gpu.targets import COLOR_FORMAT, begin_pass, make_target
+from anamorph.gpu.drawing import color_pipelines, draw_depth, draw_scene, submit
+from anamorph.gpu.targets import COLOR_FORMAT, begin_depth_pass, begin_pass, make_target
 from anamorph.methods import METHODS, Session, parse, session
 from anamorph.scene.opening import open_scene
 
@@ -100,7 +100,10 @@ def test_a_timer_times_what_is_drawn_between_its_ends() -> None:
         encoder = get_device().create_command_encoder()
         if inside:
             timer.begin(encoder)
-        render_pass = begin_pass(encoder, target)
+        depth_pass = begin_depth_pass(encoder, target)
+        draw_depth(depth_pass, color_pipelines(), stage.buffers, stage.projection)
+        depth_pass.end()
+        render_pass = begin_pass(encoder, target, keep_depth=True)
         draw_scene(render_pass, color_pipelines(), stage.buffers, stage.projection)
         render_pass.end()
         if not inside:

@@ -3,18 +3,22 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from importlib import resources
 
 import numpy as np
 import pytest
 from scenes import drawn, open_view
 
+from anamorph.errors import AnamorphError
 from anamorph.frame import View
+from anamorph.gpu.buffers import MOST_LIGHTS
 from anamorph.gpu.device import get_device
 from anamorph.gpu.drawing import draw_mesh, make_pipeline, shader_module, submit
 from anamorph.gpu.targets import begin_pass, make_target, read_texture
 from anamorph.gpu.textures import mip_levels
 from anamorph.methods.session import Stage
 from anamorph.projection import camera_projection
+from anamorph.scene.builtin import make
 from anamorph.scene.builtin.shapes import grid
 from anamorph.scene.builtin.textures import checkerboard
 from anamorph.scene.camera import Camera
@@ -247,6 +251,29 @@ def test_the_skys_image_has_its_centre_at_minus_z_and_its_top_up():
         camera = Camera((0, 0, 0), tuple(look.tolist()), (0.3, 0.9, 0.1), 1.0)
         frame = picture(away, (), camera, Sky(image=Texture(pixels)), size=(3, 3))
         assert frame.color[1, 1] == pytest.approx([decode(c) for c in pixels[row, column, :3]], abs=6e-3)
+
+
+@pytest.mark.parametrize(
+    "method", ["pervertex:bounces=1", "pervertex:bounces=1,antialias=4", "environment", "raytrace"]
+)
+def test_an_image_of_one_colour_is_the_sky_of_that_colour(method):
+    """Directly, in mirrors, and where a mirror has nothing else to show: two drawings, one of which knows no image."""
+    color = tuple(decode(value) for value in (30, 120, 210))
+    pixels = np.broadcast_to(np.uint8([30, 120, 210, 255]), (8, 16, 4))
+    scene = replace(make("spheres"), meshes=make("spheres").meshes[:4])
+    plain = drawn(replace(scene, sky=Sky(color, color, color)), method, SIZE).color
+    assert drawn(replace(scene, sky=Sky(image=Texture(pixels))), method, SIZE).color == pytest.approx(plain, abs=HALF)
+
+
+def test_all_lights_that_a_scene_may_have_shine_and_one_more_is_refused():
+    dark = [DirectionalLight((0.0, 0.0, 1.0), (0.0, 0.0, 0.0))] * (MOST_LIGHTS - 1)
+    bright = DirectionalLight((0.0, 0.0, 1.0), (0.5, 0.25, 0.125))
+    white = quad(Diffuse((1.0, 1.0, 1.0)))
+    assert picture(white, (*dark, bright)).color[24, 32] == pytest.approx(bright.color, abs=HALF)
+    with pytest.raises(AnamorphError, match="1025 lights, and 1024 are the most"):
+        picture(white, (*dark, bright, bright))
+    # Some drivers read on beyond a uniform's end, so that a picture does not tell.
+    assert f"array<Light, {MOST_LIGHTS}>" in (resources.files("anamorph") / "gpu/shading.wgsl").read_text()
 
 
 def test_a_light_that_touches_a_surface_leaves_finite_colours():

@@ -9,6 +9,7 @@ import time
 import weakref
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
+from itertools import count
 from pathlib import Path
 from typing import Any
 
@@ -26,6 +27,7 @@ from anamorph.methods import METHODS, Session
 from anamorph.methods.options import option
 from anamorph.scene.builtin import make
 from anamorph.srgb import encode_srgb
+from anamorph.viewer import application
 from anamorph.viewer.application import SETTLING
 from anamorph.viewer.marks import NO_MARKS, Marks
 from anamorph.viewer.space import Space
@@ -288,6 +290,8 @@ def test_the_picture_is_saved_as_it_is_shown(hand: Hand, tmp_path: Path) -> None
 
 
 def test_what_is_asked_for_while_something_is_saved_has_to_wait(hand: Hand, tmp_path: Path) -> None:
+    # The picture waits until it is refined.
+    hand.viewer.state = replace(hand.viewer.state, samples=8)
     hand.key("p")
     hand.key("s", "Control")
     assert "wait" in hand.viewer.report()["message"]
@@ -459,3 +463,41 @@ def test_every_builtin_scene_opens() -> None:
         hand.draw(2)
         assert hand.viewer.report()["message"] == "" and make(name).name == hand.viewer.report()["scene"]
         hand.close()
+
+
+def test_keys_pointer_and_panel_answer_while_a_slow_picture_is_drawn(hand: Hand, monkeypatch) -> None:
+    monkeypatch.setattr("anamorph.viewer.showing.FRAME", 0.0)
+    monkeypatch.setattr("anamorph.methods.paths.GRAIN", 64)
+    monkeypatch.setattr("anamorph.compiled.cores", lambda: 1)
+    viewer = hand.viewer
+    hand.settle()
+    viewer.state = replace(viewer.state, first=Half("raytrace"), resolution=1.0)
+    before = hand.draw()
+    assert viewer._showing.moving
+    hand.key("F1")
+    assert viewer.state.help and viewer._showing.moving
+    hand.key("F1")
+    hand.drag(hand.place(0.5, 0.5), hand.place(0.6, 0.5))
+    assert viewer._showing.moving and viewer.state.camera != viewer.start.state.camera
+    left = hand.viewer.report()["covered"][0][2]
+    assert np.array_equal(hand.draw()[:, int(left) + 1 :], before[:, int(left) + 1 :]), "the last finished picture"
+    while viewer._showing.moving:
+        hand.draw()
+    assert not np.array_equal(hand.draw()[:, int(left) + 1 :], before[:, int(left) + 1 :])
+
+
+def test_a_page_that_takes_long_to_show_pictures_is_sent_fewer(hand: Hand, monkeypatch: pytest.MonkeyPatch) -> None:
+    def frames_to_rest(seconds_between: float) -> int:
+        now = count(0.0, 0.001)
+        late = [0.0]
+        monkeypatch.setattr(application, "perf_counter", lambda: next(now) + late[0])
+        hand.key("Right")
+        before = hand.viewer.frames
+        while not hand.viewer.report()["at_rest"]:
+            late[0] += seconds_between
+            hand.draw()
+        assert hand.viewer.report()["samples_done"] == 16
+        return hand.viewer.frames - before
+
+    prompt, slow = frames_to_rest(0.0), frames_to_rest(2.0)
+    assert prompt > 16 and slow < 8

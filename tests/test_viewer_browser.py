@@ -155,12 +155,12 @@ def test_a_fine_screen_gets_its_own_pixels(playwright, tmp_path):
         wait_until(lambda: tab.page.evaluate("document.querySelector('img').naturalWidth") == 2 * width, "its pixels")
 
 
-def test_two_fingers_pan_and_zoom(browser, tmp_path):
+def test_two_fingers_pan_and_zoom_and_one_scrolls_the_panel(browser, tmp_path):
     with served(tmp_path, "flat-mirror") as viewer, tab_of(browser, viewer, has_touch=True) as tab:
         fingers = tab.page.context.new_cdp_session(tab.page)
 
-        def touch(kind: str, *places: float) -> None:
-            points = [{"x": x, "y": 300.0, "id": number} for number, x in enumerate(places)]
+        def touch(kind: str, *places: float, y: float = 300.0) -> None:
+            points = [{"x": x, "y": y, "id": number} for number, x in enumerate(places)]
             fingers.send("Input.dispatchTouchEvent", {"type": kind, "touchPoints": points})
 
         def distance(camera: dict[str, Any]) -> float:
@@ -176,6 +176,26 @@ def test_two_fingers_pan_and_zoom(browser, tmp_path):
         assert np.dot(*turned) == pytest.approx(np.prod([np.linalg.norm(each) for each in turned])), "it does not orbit"
         touch("touchEnd", 550.0)
         touch("touchEnd")
-        assert tab.wait_until(lambda report: report["at_rest"])["state"]["picked"] is None
+        report = tab.wait_until(lambda report: report["at_rest"])
+        assert report["state"]["picked"] is None
+
+        x, y = tab.center("section/scene")
+        touch("touchStart", x, y=y)
+        for up in range(10, 110, 10):
+            touch("touchMove", x, y=y - up)
+        touch("touchEnd")
+        tab.wait_until(lambda report: report["rectangles"]["section/scene"][3] < y - 50.0, "another part of the panel")
+        assert tab.center("section/scene")[1] >= y - 100.0
+        assert tab.report()["state"] == report["state"], "and all else stays as it was"
+        assert "mirror/swivel" in tab.report()["rectangles"]
+        place = tab.center("mirror/tilt")
+        for _ in range(2):
+            frames = tab.report()["frames"]
+            tab.tap(*place)
+            # Until they have been drawn that show it, keys have another meaning.
+            tab.wait_until(lambda report, before=frames: report["frames"] >= before + 5, "the tap")
+        tab.page.keyboard.type("3.5")
+        tab.key("Enter")
+        tab.wait_until(lambda report: report["state"]["values"].get("mirror/tilt") == 3.5, "what was typed")
         assert tab.complaints == []
         assert viewer.interrupt() == (0, "")

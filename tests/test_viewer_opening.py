@@ -22,6 +22,7 @@ from anamorph.scene.viewfile import Opened, Source
 from anamorph.viewer import starting
 from anamorph.viewer.facts import Facts, Progress
 from anamorph.viewer.home import Home
+from anamorph.viewer.job import Job
 from anamorph.viewer.saving import save_scene
 from anamorph.viewer.shortcuts import press
 from anamorph.viewer.starting import Start, carried_over, start
@@ -272,7 +273,7 @@ def test_what_is_being_saved_is_stopped_and_leaves_nothing(hand: Hand, tmp_path:
             ended.append(True)
 
     ended: list[bool] = []
-    hand.viewer._saving = endless()
+    hand.viewer._job = Job(endless())
     hand.draw(2)
     ask(hand, "spheres")
     told = hand.viewer.report()

@@ -13,9 +13,10 @@ from typing import Any
 import pytest
 from browser import Served, served
 from websockets.asyncio.client import connect
-from websockets.exceptions import InvalidStatus
+from websockets.exceptions import ConnectionClosed, InvalidStatus
 
 from anamorph.viewer.backends.gate import STREAM, Gate
+from anamorph.viewer.backends.stream import MOST_WAITING, TRY_AGAIN_LATER
 
 PORT = 8123
 HOST = f"127.0.0.1:{PORT}"
@@ -234,6 +235,25 @@ def test_a_browser_that_confirms_nothing_is_sent_two_pictures_and_no_more(viewer
         return pictures
 
     assert [picture["index"] for picture in asyncio.run(stare())] == [1, 2, 3]
+
+
+def test_a_page_that_sends_and_confirms_nothing_makes_way_for_the_next(viewer, cookie):
+    key = {"timestamp": 0.0, "modifiers": [], "key": "Shift"}
+    presses = [json.dumps({**key, "type": kind}) for kind in ("key_down", "key_up")]
+
+    async def flood() -> None:
+        async with opened(viewer, cookie) as flooding, opened(viewer, cookie) as waiting:
+            with pytest.raises(ConnectionClosed) as closed:
+                for _ in range(100):
+                    for said in presses * (MOST_WAITING // 8):
+                        await flooding.send(said)
+                    await asyncio.sleep(0.01)
+            assert closed.value.rcvd.code == TRY_AGAIN_LATER
+            await waiting.send(resized(300, 120))
+            while report(viewer, cookie)["size"] != [300, 120]:
+                await confirm(waiting, (await next_picture(waiting))[0])
+
+    asyncio.run(flood())
 
 
 def test_who_comes_after_a_closed_tab_sees_the_picture_in_its_own_size(viewer, cookie):

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Generator
 from dataclasses import replace
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 import pytest
@@ -68,6 +69,12 @@ def composed(
     render_pass.end()
     get_device().queue.submit([encoder.finish()])
     return read_texture(target)[..., :3].astype(float)
+
+
+def move(showing: Showing, scene: Scene, state: State) -> None:
+    """Take notice of a state, and finish the picture that it begins."""
+    while showing.update(scene, state, SIZE) and showing.moving:
+        pass
 
 
 def settle(showing: Showing) -> None:
@@ -237,7 +244,7 @@ def test_what_moves_starts_the_picture_over_and_a_layer_does_not(scene: Scene) -
 def test_errors_are_measured_while_it_moves_and_at_rest(scene: Scene) -> None:
     showing = Showing()
     state = replace(STATE, first=Half("environment", Layer.ERROR), second=Half("raytrace"), split=True)
-    showing.update(scene, state, SIZE)
+    move(showing, scene, state)
     assert showing.halves[0].layer is not None and showing.halves[1].layer is None
     settle(showing)
     worst = showing.measured["environment"].figures.angular_mrad.max
@@ -270,6 +277,9 @@ class _Sized:
 
     def wait(self) -> None:
         pass
+
+    def phases(self) -> dict[str, float]:
+        return {}
 
 
 def drawn_by(monkeypatch: pytest.MonkeyPatch, widest: int = 10**6, seconds: float = 0.0) -> list[tuple[int, int]]:
@@ -315,3 +325,156 @@ def test_a_picture_that_takes_long_comes_by_steps(scene, monkeypatch) -> None:
     showing.update(scene, replace(STATE, samples=1), SIZE)
     settle(showing)
     assert sizes == [scaled(SIZE, scale) for scale in reversed(SCALES)]
+
+
+class _Stepped(_Sized):
+    """A method's session that draws in three steps, the last of which may fail."""
+
+    drawn: ClassVar[list[an.Camera]] = []
+    fails: ClassVar[bool] = False
+
+    def __init__(self, size: tuple[int, int]) -> None:
+        super().__init__(size, 10**6, 0.0)
+
+    def drawing(self, camera: an.Camera, shift: tuple[float, float] = (0.0, 0.0)) -> Generator[None, None, None]:
+        yield
+        yield
+        if _Stepped.fails:
+            raise AnamorphError("out of steps")
+        _Stepped.drawn.append(camera)
+
+
+@pytest.fixture
+def stepped(monkeypatch: pytest.MonkeyPatch) -> list[an.Camera]:
+    """A method that draws in steps, of which a frame has time for one; from where it has drawn."""
+    sessions: dict[tuple[int, int], _Stepped] = {}
+
+    def session(self: MethodPictures, camera: an.Camera, size: tuple[int, int]) -> _Stepped:
+        return sessions.setdefault(size, _Stepped(size))
+
+    monkeypatch.setattr(MethodPictures, "_session", session)
+    monkeypatch.setattr("anamorph.viewer.showing.FRAME", 0.0)
+    monkeypatch.setattr(_Stepped, "fails", False)
+    monkeypatch.setattr(_Stepped, "drawn", [])
+    return _Stepped.drawn
+
+
+def from_angle(degrees: float) -> State:
+    return replace(STATE, camera=replace(STATE.camera, field_of_view=degrees))
+
+
+def test_a_slow_picture_is_drawn_over_several_frames_and_shown_when_it_is_done(scene, stepped) -> None:
+    showing = Showing()
+    move(showing, scene, from_angle(30.0))
+    before = showing.halves[0].picture
+    assert before is not None and len(stepped) == 1
+    other = replace(from_angle(40.0), first=Half("environment"))
+    assert showing.update(scene, other, SIZE) and showing.moving
+    while showing.moving:
+        assert showing.halves[0].picture is before and len(stepped) == 1 and not showing.at_rest
+        assert showing.update(scene, other, SIZE)
+    assert [camera.field_of_view for camera in stepped] == [30.0, 40.0] and showing.halves[0].picture is not None
+    assert not showing.update(scene, other, SIZE)
+
+
+def test_a_picture_under_way_is_finished_and_then_the_newest_state_is_drawn(scene, stepped) -> None:
+    showing = Showing()
+    for degrees in (30.0, 31.0, 32.0):
+        assert showing.update(scene, from_angle(degrees), SIZE)
+    while showing.update(scene, from_angle(34.0), SIZE):
+        # Whoever waits for this one is to ask for the next frame at once.
+        assert showing.moving == (len(stepped) < 2)
+    assert [camera.field_of_view for camera in stepped] == [30.0, 34.0]
+    assert not showing.moving
+
+
+def test_a_constant_drag_shows_pictures(scene, stepped) -> None:
+    showing = Showing()
+    for frame in range(40):
+        showing.update(scene, from_angle(20.0 + frame), SIZE)
+    assert len(stepped) >= 9
+
+
+def test_a_stale_picture_is_given_up_for_the_newest(scene, stepped, monkeypatch) -> None:
+    monkeypatch.setattr("anamorph.viewer.showing.STALE", 0.0)
+    showing = Showing()
+    for degrees in (30.0, 31.0, 32.0):
+        showing.update(scene, from_angle(degrees), SIZE)
+    move(showing, scene, from_angle(32.0))
+    assert [camera.field_of_view for camera in stepped] == [32.0]
+
+
+def test_what_moves_nothing_waits_for_the_picture_under_way(scene, stepped, monkeypatch) -> None:
+    monkeypatch.setattr("anamorph.viewer.showing.STALE", 0.0)
+    showing = Showing()
+    showing.update(scene, STATE, SIZE)
+    picked = replace(STATE, picked=(0.5, 0.5))
+    move(showing, scene, picked)
+    assert len(stepped) == 1 and not showing.moving
+
+
+def test_refinement_is_left_at_once_when_something_moves(scene, stepped) -> None:
+    showing = Showing()
+    move(showing, scene, STATE)
+    while showing.samples_done < 1:
+        assert showing.rest()
+    showing.rest()
+    count = len(stepped)
+    move(showing, scene, from_angle(30.0))
+    assert len(stepped) == count + 1 and stepped[-1].field_of_view == 30.0
+    settle(showing)
+    assert showing.samples_done == 4 and {camera.field_of_view for camera in stepped[count:]} == {30.0}
+
+
+@pytest.mark.parametrize("period", [7, 8, 9])
+def test_no_sample_counts_for_one_half_alone_wherever_it_is_left(scene, stepped, monkeypatch, period) -> None:
+    added: list[wgpu.GPUTexture] = []
+    add = Average.add
+    monkeypatch.setattr(Average, "add", lambda self, texture: (added.append(texture), add(self, texture)))
+    showing = Showing()
+    state = replace(STATE, split=True)
+    move(showing, scene, state)
+    for number in range(60):
+        showing.rest()
+        if number % period == 0:
+            # What moves nothing begins the refinement anew from what is done.
+            showing.update(scene, replace(state, unit=("px", "mrad")[number // period % 2]), SIZE)
+    settle(showing)
+    assert showing.samples_done == 4 and len(added) == 2 * 4
+
+
+def test_a_failure_in_a_step_is_told_and_the_picture_before_it_goes(scene, stepped) -> None:
+    showing = Showing()
+    move(showing, scene, STATE)
+    _Stepped.fails = True
+    showing.update(scene, from_angle(30.0), SIZE)
+    assert not showing.failures
+    move(showing, scene, from_angle(30.0))
+    assert showing.failures == ("out of steps",) and showing.halves[0].picture is None
+    settle(showing)
+    _Stepped.fails = False
+    move(showing, scene, from_angle(31.0))
+    assert not showing.failures and showing.halves[0].picture is not None
+
+
+def test_rest_finishes_what_is_under_way_first(scene, stepped) -> None:
+    showing = Showing()
+    showing.update(scene, STATE, SIZE)
+    assert showing.moving and showing.rest() and not showing.at_rest
+    settle(showing)
+    assert showing.finished and showing.samples_done == 4 and not showing.moving
+
+
+@pytest.mark.parametrize("method", ["raytrace", "trilinear"])
+def test_at_rest_a_picture_in_steps_is_that_of_render(method: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("anamorph.viewer.showing.FRAME", 0.0)
+    mirrors = make("facing-mirrors")
+    showing = Showing()
+    state = State(mirrors.camera, Half(method), Half("raytrace"), samples=2)
+    showing.update(mirrors, replace(state, camera=replace(state.camera, field_of_view=30.0)), SIZE)
+    move(showing, mirrors, state)
+    settle(showing)
+    shown = showing.halves[0].picture
+    assert shown is not None
+    wanted = an.render(mirrors, method, size=SIZE, samples=2).color
+    assert np.abs(read_texture(shown)[..., :3] - wanted).max() < 2e-3 * max(1.0, wanted.max())

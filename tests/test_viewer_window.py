@@ -49,6 +49,9 @@ def display(tmp_path: Path) -> Iterator[Display]:
     reading, writing = os.pipe()
     size = f"{SCREEN[0]}x{SCREEN[1]}x24"
     command = ["Xvfb", "-displayfd", str(writing), "-screen", "0", size, "-nolisten", "tcp", "-fbdir", str(tmp_path)]
+    # Else it starts over whenever its last client leaves, such as one that looks for a window before there is any, and
+    # then loses who is about to come: the viewer would find no display, and serve a page.
+    command.append("-noreset")
     server = subprocess.Popen(command, pass_fds=[writing], stderr=subprocess.DEVNULL)
     os.close(writing)
     try:

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from rendercanvas.offscreen import OffscreenRenderCanvas
 
-from anamorph.viewer.application import Viewer
+from anamorph.viewer.application import Later, Viewer
 from anamorph.viewer.layout import picture_area
 from anamorph.viewer.starting import Start
 
@@ -21,9 +21,11 @@ class Hand:
 
     shown: np.ndarray
 
-    def __init__(self, start: Start, size: tuple[int, int] = (560, 300), ratio: float = 1.0) -> None:
+    def __init__(
+        self, start: Start, size: tuple[int, int] = (560, 300), ratio: float = 1.0, later: Later | None = None
+    ) -> None:
         self.canvas = OffscreenRenderCanvas(size=size, pixel_ratio=ratio)
-        self.viewer = Viewer(self.canvas, start)
+        self.viewer = Viewer(self.canvas, start, later)
         self.draw(2)
 
     def close(self) -> None:

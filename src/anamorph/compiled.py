@@ -4,13 +4,20 @@ from __future__ import annotations
 
 import hashlib
 import os
-from collections.abc import Callable
-from concurrent.futures import ThreadPoolExecutor, wait
+from collections.abc import Callable, Generator
+from concurrent.futures import Future, ThreadPoolExecutor, wait
 from functools import cache
+from itertools import islice
 from pathlib import Path
 from typing import Any
 
 import numba
+
+STEP = 0.01
+"""Seconds that work in steps goes on for, at most, before it says so."""
+
+AHEAD = 8
+"""Pieces a core that work in steps has on their way at once: other work comes after no more than these."""
 
 
 def compiled(function: Callable[..., Any]) -> Callable[..., Any]:
@@ -83,3 +90,34 @@ def over_all_cores(work: Callable[[int, int], None], count: int, grain: int) -> 
         for piece in pieces:
             piece.cancel()
         wait(pieces)
+
+
+def steps_over_all_cores(work: Callable[[int, int], None], count: int, grain: int) -> Generator[None, None, None]:
+    """Like `over_all_cores`, in steps of a few milliseconds.
+
+    The pieces that have begun go on between two steps; once it is closed, none does.
+    """
+    starts = range(0, count, grain)
+    if len(starts) <= 1 or cores() == 1:
+        for start in starts:
+            work(start, min(start + grain, count))
+            yield
+        return
+    waiting, going = iter(starts), list[Future[None]]()
+    try:
+        while True:
+            for start in islice(waiting, AHEAD * cores() - len(going)):
+                going.append(_threads().submit(work, start, min(start + grain, count)))
+            if not going:
+                return
+            # To wake for each piece would take time from those that run.
+            wait(going[: AHEAD * cores() // 2], STEP)
+            done = {piece for piece in going if piece.done()}
+            for piece in done:
+                piece.result()
+            going = [piece for piece in going if piece not in done]
+            yield
+    finally:
+        for piece in going:
+            piece.cancel()
+        wait(going)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from enum import Enum
 from functools import partial
@@ -16,13 +16,14 @@ from anamorph.gpu.drawing import (
     ProjectionUniform,
     color_and_depth_pipelines,
     color_pipelines,
+    draw_depth,
     draw_scene,
     end_pipelines,
     map_pipelines,
     projection_uniform,
 )
 from anamorph.gpu.halving import Halving, halvings
-from anamorph.gpu.targets import COLOR_FORMAT, MAP_FORMATS, begin_pass, make_target, make_texture
+from anamorph.gpu.targets import COLOR_FORMAT, MAP_FORMATS, begin_depth_pass, begin_pass, make_target, make_texture
 from anamorph.projection import Projection
 
 SPARE = 1.15
@@ -41,6 +42,10 @@ ALIGNMENT = 1 << (LEVELS - 1)
 
 SHRINKING = 0.9
 """By which factor, again and again, maps are made smaller that are too large together."""
+
+
+Bound = Callable[[int, wgpu.GPURenderPassEncoder], None]
+"""Given a map's number and its pass of depth: leaves the nearest depth wherever nothing of the map is to be drawn."""
 
 
 class MapKind(Enum):
@@ -164,33 +169,44 @@ class Atlas:
         self._ends = make_target(square, MAP_FORMATS, textures=(self.end,), depth=self._depths.depth)
         self._halvings: tuple[Halving, ...] = halvings(self.color, self._levels)
 
-    def draw(self, encoder: wgpu.GPUCommandEncoder, buffers: SceneBuffers, kind: MapKind) -> None:
-        """Draw the maps: what of them, `kind` says."""
+    def draw(
+        self, encoder: wgpu.GPUCommandEncoder, buffers: SceneBuffers, kind: MapKind, bound: Bound | None = None
+    ) -> None:
+        """Draw the maps: what of them, `kind` says, and where, `bound` may."""
         if kind == MapKind.END and not self._has_ends:
             return
         targets = {
-            MapKind.COLOR: (self._colors, color_pipelines(self._antialias)),
+            MapKind.COLOR: (self._colors, color_pipelines(self._antialias, sky_image=buffers.sky_image)),
             MapKind.DEPTH: (self._depths, map_pipelines()),
-            MapKind.BOTH: (self._both, color_and_depth_pipelines()),
+            MapKind.BOTH: (self._both, color_and_depth_pipelines(buffers.sky_image)),
             MapKind.END: (self._ends, end_pipelines()),
         }
         target, pipelines = targets[kind]
-        render_pass = begin_pass(encoder, target)
-        for view, corner, uniform in zip(self.views, self._corners, self._uniforms, strict=False):
-            render_pass.set_viewport(*corner, *view.size, 0.0, 1.0)
-            render_pass.set_scissor_rect(*corner, *view.size)
-            extra = view.extra
+        depth_pass = begin_depth_pass(encoder, target)
+        for number, (view, uniform) in enumerate(self._within(depth_pass)):
+            extra = None if bound is None else partial(bound, number)
+            draw_depth(depth_pass, pipelines, buffers, uniform, view.visible, extra)
+        depth_pass.end()
+        render_pass = begin_pass(encoder, target, keep_depth=True)
+        for view, uniform in self._within(render_pass):
             draw_scene(
                 render_pass,
                 pipelines,
                 buffers,
                 uniform,
-                replaced=() if extra is None else view.replaced,
+                replaced=() if view.extra is None else view.replaced,
                 visible=view.visible,
                 sky=view.sky,
-                extra=None if extra is None else partial(extra, kind),
+                extra=None if view.extra is None else partial(view.extra, kind),
             )
         render_pass.end()
         if kind in (MapKind.COLOR, MapKind.BOTH):
             for halving in self._halvings:
                 halving.draw(encoder)
+
+    def _within(self, render_pass: wgpu.GPURenderPassEncoder) -> Iterator[tuple[MapView, ProjectionUniform]]:
+        """Each map with its projection, while the pass draws into its rectangle."""
+        for view, corner, uniform in zip(self.views, self._corners, self._uniforms, strict=False):
+            render_pass.set_viewport(*corner, *view.size, 0.0, 1.0)
+            render_pass.set_scissor_rect(*corner, *view.size)
+            yield view, uniform

@@ -8,7 +8,7 @@ import numpy as np
 import wgpu
 
 from anamorph.errors import AnamorphError
-from anamorph.gpu.bindings import SAMPLER, STORAGE, bind, layout_of, texture
+from anamorph.gpu.bindings import SAMPLER, STORAGE, UNIFORM, bind, layout_of, texture
 from anamorph.gpu.device import get_device, of_device
 from anamorph.gpu.textures import sky_texture, texture_array, texture_sampler
 from anamorph.scene.geometry import Geometry
@@ -31,6 +31,9 @@ VERTEX = np.dtype(
 
 SPARE = 1.25
 """How much larger than needed a buffer is made: a moving eye does not bring a new one every frame."""
+
+MOST_LIGHTS = 1024
+"""Directional and point lights of a scene, as many as shading.wgsl has room for."""
 
 OBJECT = np.dtype(
     [
@@ -66,8 +69,10 @@ class SceneBuffers:
         Mesh i owns vertices first_vertex[i] to first_vertex[i + 1], and triangles likewise.
     specular, mirrors : tuple of int
         Indices of the meshes that are mirrors or glass, and of the mirrors alone.
-    bends : (meshes,) bool
-        Whether a mesh is specular.
+    bends, textured : (meshes,) bool
+        Whether a mesh is specular, and whether it has a texture.
+    sky_image : bool
+        Whether the sky is an image.
     shading : bind group
         Group 0 of every shader.
     """
@@ -79,21 +84,25 @@ class SceneBuffers:
     specular: tuple[int, ...]
     mirrors: tuple[int, ...]
     bends: np.ndarray
+    textured: np.ndarray
+    sky_image: bool
     shading: wgpu.GPUBindGroup
 
 
 @of_device
 def shading_layout() -> wgpu.GPUBindGroupLayout:
     """The layout of group 0: lighting, objects, textures and sky."""
-    return layout_of(STORAGE, STORAGE, texture("2d-array"), SAMPLER, texture(), SAMPLER)
+    stages = wgpu.ShaderStage.VERTEX | wgpu.ShaderStage.FRAGMENT
+    return layout_of(UNIFORM, STORAGE, texture("2d-array"), SAMPLER, texture(), SAMPLER, stages=stages)
 
 
 def upload_scene(scene: Scene, geometry: Geometry) -> SceneBuffers:
     """Copy a scene to the device."""
     textures = _distinct_textures(scene)
+    objects = _objects(scene, textures)
     resources = [
-        storage_buffer(_lighting(scene)),
-        storage_buffer(_objects(scene, textures)),
+        _uniform_buffer(_lighting(scene)),
+        storage_buffer(objects),
         texture_array(textures).create_view(dimension="2d-array"),
         texture_sampler(),
         sky_texture(scene.sky.image).create_view(dimension="2d"),
@@ -107,6 +116,8 @@ def upload_scene(scene: Scene, geometry: Geometry) -> SceneBuffers:
         specular=tuple(i for i, mesh in enumerate(scene.meshes) if mesh.specular),
         mirrors=tuple(i for i, mesh in enumerate(scene.meshes) if isinstance(mesh.material, Mirror)),
         bends=np.array([mesh.specular for mesh in scene.meshes], bool),
+        textured=objects["texture_layer"] > 0,
+        sky_image=scene.sky.image is not None,
         shading=bind(shading_layout(), resources),
     )
 
@@ -121,6 +132,10 @@ def _most_bytes(needed: int) -> int:
             "simplify its meshes"
         )
     return limit
+
+
+def _uniform_buffer(data: np.ndarray) -> wgpu.GPUBuffer:
+    return get_device().create_buffer_with_data(data=data, usage=wgpu.BufferUsage.UNIFORM)
 
 
 def storage_buffer(data: np.ndarray, usage: int = 0) -> wgpu.GPUBuffer:
@@ -186,7 +201,9 @@ def _lighting(scene: Scene) -> np.ndarray:
     """The shader's `Lighting` structure, as 32-bit words."""
     lights = [light for light in scene.lights if not isinstance(light, AmbientLight)]
     ambient = [light for light in scene.lights if isinstance(light, AmbientLight)]
-    words = np.zeros((5 + 2 * max(len(lights), 1), 4), np.float32)
+    if len(lights) > MOST_LIGHTS:
+        raise AnamorphError(f"scene: has {len(lights)} lights, and {MOST_LIGHTS} are the most; leave the weakest out")
+    words = np.zeros((5 + 2 * MOST_LIGHTS, 4), np.float32)
     flags = words.view(np.uint32)
     words[0, :3] = np.sum([light.sky for light in ambient] or [(0, 0, 0)], axis=0)
     words[1, :3] = np.sum([light.ground for light in ambient] or [(0, 0, 0)], axis=0)

@@ -14,11 +14,21 @@ from anamorph.gpu.drawing import (
     ProjectionUniform,
     ScenePipelines,
     color_pipelines,
+    draw_depth,
     draw_scene,
     map_pipelines,
     projection_uniform,
 )
-from anamorph.gpu.targets import COLOR_FORMAT, DEPTH_FORMAT, MAP_FORMATS, Target, begin_pass, make_target, make_texture
+from anamorph.gpu.targets import (
+    COLOR_FORMAT,
+    DEPTH_FORMAT,
+    MAP_FORMATS,
+    Target,
+    begin_depth_pass,
+    begin_pass,
+    make_target,
+    make_texture,
+)
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,7 +49,7 @@ class CubeFace:
 
     def draw_color(self, encoder: wgpu.GPUCommandEncoder, buffers: SceneBuffers, absent: Sequence[int]) -> None:
         """Draw the scene's colours, all meshes but the absent ones."""
-        self._draw(encoder, self.color, color_pipelines(mirrored=True), buffers, absent)
+        self._draw(encoder, self.color, color_pipelines(mirrored=True, sky_image=buffers.sky_image), buffers, absent)
 
     def draw_depth(self, encoder: wgpu.GPUCommandEncoder, buffers: SceneBuffers, absent: Sequence[int]) -> None:
         """Draw the scene's depth and object numbers."""
@@ -55,7 +65,10 @@ class CubeFace:
     ) -> None:
         visible = np.ones(len(buffers.bends), bool)
         visible[list(absent)] = False
-        render_pass = begin_pass(encoder, target)
+        depth_pass = begin_depth_pass(encoder, target)
+        draw_depth(depth_pass, pipelines, buffers, self.projection, visible)
+        depth_pass.end()
+        render_pass = begin_pass(encoder, target, keep_depth=True)
         draw_scene(render_pass, pipelines, buffers, self.projection, visible=visible)
         render_pass.end()
 

@@ -53,7 +53,7 @@ def projection_uniform() -> ProjectionUniform:
 def make_pipeline(
     module: wgpu.GPUShaderModule,
     vertex: str,
-    fragment: str,
+    fragment: str | None,
     formats: Sequence[str],
     *,
     buffers: Sequence[dict] = (VERTEX_LAYOUT,),
@@ -69,17 +69,13 @@ def make_pipeline(
 ) -> wgpu.GPURenderPipeline:
     """A pipeline that binds shading, projection, and then `groups`; `constants` set the shader's overrides.
 
-    It is compiled once: a session that is opened anew for another scene finds what the one before it has left.
+    Without a `fragment` it is for passes of depth alone. It is compiled once: a session that is opened anew for another
+    scene finds what the one before it has left.
     """
     layouts = [shading_layout(), projection_layout(), *groups]
     stage = {"constants": constants or {}}
     description: dict[str, dict[str, Any]] = {
         "vertex": {"entry_point": vertex, "buffers": list(buffers), **stage},
-        "fragment": {
-            "entry_point": fragment,
-            **stage,
-            "targets": [{"format": form, "write_mask": write_mask} for form in formats],
-        },
         "primitive": {"topology": topology, "cull_mode": cull, "front_face": "cw" if mirrored else "ccw"},
         "depth_stencil": {
             "format": DEPTH_FORMAT,
@@ -88,10 +84,13 @@ def make_pipeline(
         },
         "multisample": {"count": samples},
     }
+    if fragment is not None:
+        targets = [{"format": form, "write_mask": write_mask} for form in formats]
+        description["fragment"] = {"entry_point": fragment, **stage, "targets": targets}
 
     def make() -> wgpu.GPURenderPipeline:
         layout = get_device().create_pipeline_layout(bind_group_layouts=layouts)
-        stages = {name: {"module": module, **description[name]} for name in ("vertex", "fragment")}
+        stages = {name: {"module": module, **description[name]} for name in {"vertex", "fragment"} & set(description)}
         return get_device().create_render_pipeline(layout=layout, **(description | stages))
 
     return once(("pipeline", str(description), module, *layouts), make)
@@ -104,7 +103,9 @@ class ScenePipelines:
     Parameters
     ----------
     depth, meshes : pipelines
-        Diffuse meshes, first their depth alone, so that each pixel is shaded once.
+        Diffuse meshes: their depth, in a pass of its own, and then what is nearest, so that each pixel is shaded once.
+    plain : pipeline
+        The same as `meshes` for those without a texture.
     backs, stand_ins : pipelines
         Of specular meshes: the matt backs of mirrors, and the fronts that no method draws.
     sky : pipeline
@@ -112,32 +113,49 @@ class ScenePipelines:
 
     depth: wgpu.GPURenderPipeline
     meshes: wgpu.GPURenderPipeline
+    plain: wgpu.GPURenderPipeline
     backs: wgpu.GPURenderPipeline
     stand_ins: wgpu.GPURenderPipeline
     sky: wgpu.GPURenderPipeline
 
 
 def _scene_pipelines(
-    meshes: str, stand_ins: str, sky: str, formats: Sequence[str], samples: int = 1, mirrored: bool = False
+    meshes: str,
+    stand_ins: str,
+    sky: str,
+    formats: Sequence[str],
+    samples: int = 1,
+    mirrored: bool = False,
+    sky_image: bool = True,
 ) -> ScenePipelines:
     module = shader_module()
 
-    def pipeline(vertex: str, fragment: str, **settings: Any) -> wgpu.GPURenderPipeline:
-        return make_pipeline(module, vertex, fragment, formats, samples=samples, mirrored=mirrored, **settings)
+    def pipeline(vertex: str, fragment: str, textures: bool = True, **settings: Any) -> wgpu.GPURenderPipeline:
+        constants: dict[str, float] = {"SKY_IMAGE": int(sky_image), "TEXTURES": int(textures)}
+        return make_pipeline(
+            module, vertex, fragment, formats, samples=samples, mirrored=mirrored, constants=constants, **settings
+        )
 
     return ScenePipelines(
-        depth=pipeline("depth_vertex", "no_color", write_mask=0),
+        depth=make_pipeline(module, "depth_vertex", None, (), samples=samples, mirrored=mirrored),
         meshes=pipeline("scene_vertex", meshes, depth_compare="equal", depth_write=False),
-        backs=pipeline("scene_vertex", meshes, cull="front"),
+        plain=pipeline("scene_vertex", meshes, textures=False, depth_compare="equal", depth_write=False),
+        backs=pipeline("scene_vertex", meshes, textures=False, cull="front"),
         stand_ins=pipeline("scene_vertex", stand_ins, cull="back"),
         sky=pipeline("sky_vertex", sky, buffers=(), depth_compare="greater-equal", depth_write=False),
     )
 
 
 @of_device
-def color_pipelines(samples: int = 1, mirrored: bool = False) -> ScenePipelines:
-    """Shaded colour; `mirrored` for projections whose pictures are left-handed, as a cube map's faces are."""
-    return _scene_pipelines("scene_color", "stand_in_color", "sky_color_fragment", (COLOR_FORMAT,), samples, mirrored)
+def color_pipelines(samples: int = 1, mirrored: bool = False, sky_image: bool = True) -> ScenePipelines:
+    """Shaded colour; `mirrored` for projections whose pictures are left-handed, as a cube map's faces are.
+
+    Without a `sky_image` they draw only scenes whose sky is a gradient, and that faster.
+    """
+    formats = (COLOR_FORMAT,)
+    return _scene_pipelines(
+        "scene_color", "stand_in_color", "sky_color_fragment", formats, samples, mirrored, sky_image
+    )
 
 
 @of_device
@@ -147,10 +165,11 @@ def seen_pipelines() -> ScenePipelines:
 
 
 @of_device
-def color_and_depth_pipelines() -> ScenePipelines:
+def color_and_depth_pipelines(sky_image: bool = True) -> ScenePipelines:
     """Colour and a map's depth in one pass."""
+    formats = (COLOR_FORMAT, *MAP_FORMATS)
     return _scene_pipelines(
-        "scene_color_and_depth", "stand_in_color_and_depth", "sky_color_and_depth", (COLOR_FORMAT, *MAP_FORMATS)
+        "scene_color_and_depth", "stand_in_color_and_depth", "sky_color_and_depth", formats, sky_image=sky_image
     )
 
 
@@ -172,6 +191,27 @@ def bind_scene(render_pass: wgpu.GPURenderPassEncoder, buffers: SceneBuffers, pr
     render_pass.set_bind_group(1, projection.group)
 
 
+def draw_depth(
+    render_pass: wgpu.GPURenderPassEncoder,
+    pipelines: ScenePipelines,
+    buffers: SceneBuffers,
+    projection: ProjectionUniform,
+    visible: np.ndarray | None = None,
+    extra: Callable[[wgpu.GPURenderPassEncoder], None] | None = None,
+) -> None:
+    """Draw the depth of the diffuse meshes, in a pass that has no colours. The parameters are those of `draw_scene`."""
+    bind_scene(render_pass, buffers, projection)
+    if extra is not None:
+        extra(render_pass)
+    render_pass.set_vertex_buffer(0, buffers.vertices)
+    render_pass.set_index_buffer(buffers.indices, "uint32")
+    _draw_ranges(render_pass, pipelines.depth, buffers, _runs(_present(buffers, visible) & ~buffers.bends))
+
+
+def _present(buffers: SceneBuffers, visible: np.ndarray | None) -> np.ndarray:
+    return np.ones(len(buffers.first_face) - 1, bool) if visible is None else visible
+
+
 def draw_scene(
     render_pass: wgpu.GPURenderPassEncoder,
     pipelines: ScenePipelines,
@@ -187,6 +227,7 @@ def draw_scene(
     Parameters
     ----------
     render_pass, pipelines, buffers, projection
+        The pass keeps the depth that `draw_depth` has left.
     replaced : sequence of int
         The mirrors whose fronts a method draws itself.
     visible : (meshes,) bool, optional
@@ -201,10 +242,10 @@ def draw_scene(
         extra(render_pass)
     render_pass.set_vertex_buffer(0, buffers.vertices)
     render_pass.set_index_buffer(buffers.indices, "uint32")
-    present = np.ones(len(buffers.first_face) - 1, bool) if visible is None else visible
-    diffuse = _runs(present & ~buffers.bends)
-    _draw_ranges(render_pass, pipelines.depth, buffers, diffuse)
-    _draw_ranges(render_pass, pipelines.meshes, buffers, diffuse)
+    present = _present(buffers, visible)
+    diffuse = present & ~buffers.bends
+    _draw_ranges(render_pass, pipelines.meshes, buffers, _runs(diffuse & buffers.textured))
+    _draw_ranges(render_pass, pipelines.plain, buffers, _runs(diffuse & ~buffers.textured))
     mirrors = [index for index in buffers.mirrors if present[index]]
     _draw_ranges(render_pass, pipelines.backs, buffers, [(i, i + 1) for i in mirrors])
     _draw_ranges(render_pass, pipelines.stand_ins, buffers, [(i, i + 1) for i in mirrors if i not in replaced])

@@ -29,6 +29,9 @@ struct SceneFragment {
     @location(2) texcoord: vec2f,
     @location(3) color: vec3f,
     @location(4) @interpolate(flat) object: u32,
+    // The object's paint.
+    @location(5) @interpolate(flat) paint_color: vec3f,
+    @location(6) @interpolate(flat) texture_layer: u32,
 }
 
 // What a pixel sees: the world point and the object, and how it got its value.
@@ -85,6 +88,9 @@ fn scene_vertex(vertex: VertexIn) -> SceneFragment {
     fragment.texcoord = vertex.texcoord;
     fragment.color = vertex.color.rgb;
     fragment.object = vertex.object;
+    let paint = paint_of(vertex.object);
+    fragment.paint_color = paint.color;
+    fragment.texture_layer = paint.texture_layer;
     return fragment;
 }
 
@@ -93,13 +99,9 @@ fn depth_vertex(@location(0) position: vec3f) -> @builtin(position) @invariant v
     return projection.clip * vec4f(position, 1.0);
 }
 
-@fragment
-fn no_color() -> @location(0) vec4f {
-    return vec4f(0.0);
-}
-
 fn shaded(fragment: SceneFragment) -> vec4f {
-    return vec4f(shade(surface_point(fragment), viewing_direction(fragment.pixel.xy)), 1.0);
+    let paint = Paint(fragment.paint_color, fragment.texture_layer);
+    return vec4f(shade_painted(surface_point(fragment), paint, viewing_direction(fragment.pixel.xy)), 1.0);
 }
 
 fn stood_in(fragment: SceneFragment) -> vec4f {
@@ -181,10 +183,15 @@ fn scene_end(fragment: SceneFragment) -> @location(0) vec4f {
     return vec4f(fragment.position, f32(fragment.object));
 }
 
+// A corner of a triangle that covers the picture.
+fn covering(index: u32, depth: f32) -> vec4f {
+    let corner = vec2f(f32((index << 1u) & 2u), f32(index & 2u));
+    return vec4f(corner * 2.0 - 1.0, depth, 1.0);
+}
+
 @vertex
 fn sky_vertex(@builtin(vertex_index) index: u32) -> @builtin(position) vec4f {
-    let corner = vec2f(f32((index << 1u) & 2u), f32(index & 2u));
-    return vec4f(corner * 2.0 - 1.0, 0.0, 1.0);
+    return covering(index, 0.0);
 }
 
 @fragment

@@ -21,7 +21,7 @@ struct Lighting {
     padding_1: f32,
     nadir: vec3f,
     padding_2: f32,
-    lights: array<Light>,
+    lights: array<Light, 1024>,
 }
 
 // Taps of the texture filter: footprints up to so many times as long as wide stay sharp.
@@ -29,6 +29,11 @@ const MAXIMUM_TAPS = 8.0;
 
 // Pictures are half floats; what is beyond the largest would be infinite on some devices, and NaN after a blend.
 const LARGEST_HALF = 65504.0;
+
+// 0 where it is known that no image replaces the sky's gradient, and that no object has a texture: constants, because
+// software runs what a branch leaves out.
+override SKY_IMAGE: i32 = 1;
+override TEXTURES: i32 = 1;
 
 // kind of an object
 const DIFFUSE = 0u;
@@ -58,7 +63,13 @@ struct SurfacePoint {
     object: u32,
 }
 
-@group(0) @binding(0) var<storage, read> lighting: Lighting;
+// What colours the points of an object.
+struct Paint {
+    color: vec3f,
+    texture_layer: u32,
+}
+
+@group(0) @binding(0) var<uniform> lighting: Lighting;
 // Indexed by object number less one.
 @group(0) @binding(1) var<storage, read> objects: array<Object>;
 @group(0) @binding(2) var diffuse_textures: texture_2d_array<f32>;
@@ -79,19 +90,35 @@ fn filtered_texel(point: SurfacePoint, layer: u32) -> vec3f {
     let taps = clamp(ceil(min(major / max(minor, 1e-12), major * size)), 1.0, MAXIMUM_TAPS);
     let level = log2(max(major / taps, minor) * size);
     var sum = vec3f(0.0);
-    for (var tap = 0.5; tap < taps; tap += 1.0) {
+    var tap = 0.5;
+    // The test comes last, here and at the lights: software runs what a loop holds once more when it begins with one.
+    loop {
         let place = point.texcoord + longer * (tap / taps - 0.5);
         sum += textureSampleLevel(diffuse_textures, diffuse_sampler, place, layer, level).rgb;
+        tap += 1.0;
+        if tap >= taps {
+            break;
+        }
     }
     return sum / taps;
 }
 
+fn paint_of(object: u32) -> Paint {
+    return Paint(objects[object - 1u].color, objects[object - 1u].texture_layer);
+}
+
 // Diffuse colour of a point whose normal is turned to the side it is seen from.
 fn shade(point: SurfacePoint, direction: vec3f) -> vec3f {
-    let object = objects[point.object - 1u];
+    return shade_painted(point, paint_of(point.object), direction);
+}
+
+// The same where the object's paint is known: to look it up for each fragment is slow on software Vulkan.
+fn shade_painted(point: SurfacePoint, paint: Paint, direction: vec3f) -> vec3f {
     let normal = faceForward(point.normal, direction, point.normal);
     var light = mix(lighting.ambient_ground, lighting.ambient_sky, 0.5 + 0.5 * normal.y);
-    for (var i = 0u; i < lighting.light_count; i++) {
+    var i = 0u;
+    // Where there is no light, there is a black one.
+    loop {
         let source = lighting.lights[i];
         var toward = source.place;
         var strength = 1.0;
@@ -102,10 +129,14 @@ fn shade(point: SurfacePoint, direction: vec3f) -> vec3f {
             strength = 1.0 / square;
         }
         light += source.color * (strength * max(dot(normal, toward), 0.0));
+        i++;
+        if i >= lighting.light_count {
+            break;
+        }
     }
-    var color = light * object.color * point.color;
-    if object.texture_layer > 0u {
-        color *= filtered_texel(point, object.texture_layer);
+    var color = light * paint.color * point.color;
+    if TEXTURES == 1 && paint.texture_layer > 0u {
+        color *= filtered_texel(point, paint.texture_layer);
     }
     return min(color, vec3f(LARGEST_HALF));
 }
@@ -113,7 +144,7 @@ fn shade(point: SurfacePoint, direction: vec3f) -> vec3f {
 // What a ray sees that hits nothing; `spread` is the angle of a pixel, radians.
 fn sky_color(direction: vec3f, spread: f32) -> vec3f {
     let unit = normalize(direction);
-    if lighting.sky_image == 1u {
+    if SKY_IMAGE == 1 && lighting.sky_image == 1u {
         let width = f32(textureDimensions(sky_texture).x);
         let level = max(log2(spread * width / 6.2831853), 0.0);
         let u = 0.5 + atan2(unit.x, -unit.z) / 6.2831853;
@@ -123,11 +154,19 @@ fn sky_color(direction: vec3f, spread: f32) -> vec3f {
     return mix(lighting.horizon, select(lighting.nadir, lighting.zenith, unit.y > 0.0), sqrt(abs(unit.y)));
 }
 
+// A mirror's tint, and its reflectance at normal incidence.
+fn silver_of(number: u32) -> vec4f {
+    return vec4f(objects[number - 1u].tint, objects[number - 1u].parameter);
+}
+
 // Tint and Schlick's reflectance of a mirror at the cosine between its normal and the ray.
-fn mirror_reflectance(number: u32, cosine: f32) -> vec3f {
-    let object = objects[number - 1u];
+fn schlick(silver: vec4f, cosine: f32) -> vec3f {
     let rest = pow(1.0 - clamp(abs(cosine), 0.0, 1.0), 5.0);
-    return object.tint * (object.parameter + (1.0 - object.parameter) * rest);
+    return silver.rgb * (silver.w + (1.0 - silver.w) * rest);
+}
+
+fn mirror_reflectance(number: u32, cosine: f32) -> vec3f {
+    return schlick(silver_of(number), cosine);
 }
 
 // What glass lets through of the light that crosses it twice, but for Fresnel's share.

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import wgpu
@@ -97,8 +98,16 @@ def begin_pass(
         }
         for view, resolved in zip(target.attachments, target.resolved, strict=True)
     ]
-    depth = {"view": target.depth, "depth_clear_value": 0.0, "depth_load_op": depth_load, "depth_store_op": "store"}
-    return encoder.begin_render_pass(color_attachments=colors, depth_stencil_attachment=depth)
+    return encoder.begin_render_pass(color_attachments=colors, depth_stencil_attachment=_depth(target, depth_load))
+
+
+def begin_depth_pass(encoder: wgpu.GPUCommandEncoder, target: Target) -> wgpu.GPURenderPassEncoder:
+    """Begin drawing the depth of `target` alone, cleared: what touches no colours is twice as fast in software."""
+    return encoder.begin_render_pass(color_attachments=[], depth_stencil_attachment=_depth(target, "clear"))
+
+
+def _depth(target: Target, load: str) -> dict[str, Any]:
+    return {"view": target.depth, "depth_clear_value": 0.0, "depth_load_op": load, "depth_store_op": "store"}
 
 
 def map_sampler() -> wgpu.GPUSampler:

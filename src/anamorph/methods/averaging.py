@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Generator
+from functools import partial
 from itertools import product
 
 import numpy as np
 
 from anamorph.errors import AnamorphError
-from anamorph.methods.protocol import Session
+from anamorph.methods.protocol import Session, drawing
 from anamorph.raymesh import RayMesh
 from anamorph.scene.camera import Camera
+from anamorph.steps import retold
 
 MAXIMUM_SAMPLES = 32
 
@@ -25,7 +27,12 @@ def averaging(session: Session, camera: Camera | RayMesh, samples: int) -> Gener
     steps = (np.arange(samples) + 0.5) / samples - 0.5
     total: np.ndarray | float = 0.0
     for done, (y, x) in enumerate(product(steps, steps), start=1):
-        session.draw(camera, (float(x), float(y)))
+        yield from retold(drawing(session, camera, (float(x), float(y))), partial(_told, done - 1, samples**2))
         total = total + session.frame().color.astype(float)
         yield done, samples**2
     return np.asarray(total / samples**2, np.float32)
+
+
+def _told(done: int, total: int, step: None) -> tuple[int, int]:
+    """In the midst of a picture."""
+    return done, total

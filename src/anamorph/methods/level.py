@@ -70,13 +70,22 @@ def level_layout() -> wgpu.GPUBindGroupLayout:
 
 
 class Level:
-    """The maps of one depth, and the triangles that show them."""
+    """The maps of one depth, and the triangles that show them.
+
+    Attributes
+    ----------
+    atlas : Atlas
+    views : list of MapView
+    lookers : dict of int to PatchDraw
+        The patch that looks up each map by its places; the faces of cube maps are looked up by directions.
+    """
 
     def __init__(
         self, scene: SceneBuffers, layout: wgpu.GPUBindGroupLayout, antialias: int, mipmaps: bool, ends: bool
     ) -> None:
         self.atlas = Atlas(antialias, mipmaps, ends)
         self.views: list[MapView] = []
+        self.lookers: dict[int, PatchDraw] = {}
         self._scene, self._layout = scene, layout
         self._patches: list[tuple[range, tuple[int, ...]]] = []
         self._triangles: list[np.ndarray] = []
@@ -87,7 +96,7 @@ class Level:
 
     def clear(self) -> None:
         """Forget the last frame's maps and triangles."""
-        for contents in (self.views, self._patches, self._triangles, self._data):
+        for contents in (self.views, self.lookers, self._patches, self._triangles, self._data):
             contents.clear()
         self._triangle_count = self._data_count = 0
 
@@ -109,6 +118,8 @@ class Level:
         cube = () if plan is None else plan.cube
         sides = 1 if cube else len(views)
         draw = PatchDraw(len(self._patches), self._triangle_count, len(faces), sight.bends, sides, bool(cube))
+        if plan is not None and not cube:
+            self.lookers |= dict.fromkeys(views, draw)
         self._patches.append((views, cube))
         self._triangles.append(triangles.astype(np.uint32))
         self._data.append(data.astype(np.float32).reshape(-1, 4))

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import threading
+from collections.abc import Generator
 
 import numpy as np
 
-from anamorph.compiled import over_all_cores
+from anamorph.compiled import steps_over_all_cores
 from anamorph.errors import AnamorphError
 from anamorph.frame import Status
 from anamorph.methods.bounces import DIFFUSE, GLASS, MIRROR, NO_RAYS, WORDS, Paths, VertexRays, World, advance
@@ -18,10 +19,14 @@ from anamorph.rays import Caster
 from anamorph.scene.camera import Camera
 from anamorph.scene.geometry import Geometry
 from anamorph.scene.model import Glass, Mirror, Scene
+from anamorph.steps import drain
 
 Rectangle = tuple[int, int, int, int]
 
 GRAIN = 8192
+
+Tracing = Generator[None, None, np.ndarray]
+"""Paths that are traced in steps; returns their records."""
 
 
 class PathTracer:
@@ -113,8 +118,20 @@ class PathTracer:
 
             Light is that of the d line: what glass that disperses does to green.
         """
+        return drain(self.tracing(camera, size, rectangle, shift, records))
+
+    def tracing(
+        self,
+        camera: Camera,
+        size: tuple[int, int],
+        rectangle: Rectangle | None = None,
+        shift: tuple[float, float] = (0.0, 0.0),
+        records: np.ndarray | None = None,
+    ) -> Tracing:
+        """`trace` in steps."""
         x0, y0, x1, y1 = rectangle or (0, 0, *size)
-        return self.trace_tiles(camera, size, np.array([[x0, y0]]), (max(x1 - x0, 0), max(y1 - y0, 0)), shift, records)
+        tile = max(x1 - x0, 0), max(y1 - y0, 0)
+        return self._tracing_tiles(camera, size, np.array([[x0, y0]]), tile, shift, records)
 
     def trace_tiles(
         self,
@@ -136,9 +153,20 @@ class PathTracer:
         tile : (columns, rows)
             The size of all tiles.
         """
+        return drain(self._tracing_tiles(camera, size, corners, tile, shift, records))
+
+    def _tracing_tiles(
+        self,
+        camera: Camera,
+        size: tuple[int, int],
+        corners: np.ndarray,
+        tile: tuple[int, int],
+        shift: tuple[float, float],
+        records: np.ndarray | None,
+    ) -> Tracing:
         launch = from_eye(camera, size, corners, tile, shift)
         rays = self._vertex_rays(camera, size, 1)
-        return self._trace(self._green, launch, len(corners) * tile[0] * tile[1], rays, records)
+        return self._tracing(self._green, launch, len(corners) * tile[0] * tile[1], rays, records)
 
     def trace_rays(self, origins: np.ndarray, directions: np.ndarray, records: np.ndarray | None = None) -> np.ndarray:
         """Trace one path along each given ray; see `trace`.
@@ -156,8 +184,11 @@ class PathTracer:
         records : (N, 16) float32
             Where there is no ray, the status is OUTSIDE, and origin, direction and throughput are zero.
         """
-        launch = along_rays(origins, directions)
-        return self._trace(self._green, launch, len(origins), NO_RAYS, records)
+        return drain(self.tracing_rays(origins, directions, records))
+
+    def tracing_rays(self, origins: np.ndarray, directions: np.ndarray, records: np.ndarray | None = None) -> Tracing:
+        """`trace_rays` in steps."""
+        return self._tracing(self._green, along_rays(origins, directions), len(origins), NO_RAYS, records)
 
     def follow(self, origin: np.ndarray, direction: np.ndarray) -> np.ndarray:
         """Trace one path, and tell of each of its rays.
@@ -174,7 +205,8 @@ class PathTracer:
         """
         launch, rows = along_rays(np.atleast_2d(origin), np.atleast_2d(direction)), []
         for bounces in range(self._green.max_bounces + 1):
-            rows.append(self._trace(self._green._replace(max_bounces=bounces), launch, 1, NO_RAYS, None))
+            world = self._green._replace(max_bounces=bounces)
+            rows.append(drain(self._tracing(world, launch, 1, NO_RAYS, None)))
             if rows[-1].view(np.uint32)[0, 7] >> 16 & 0xFF != Status.OUTSIDE:
                 break
         return np.concatenate(rows)
@@ -202,20 +234,32 @@ class PathTracer:
         colors : (2, pixels that disperse, 16) float32
             Records of red light, then of blue, in the order of `records`.
         """
+        return drain(self.tracing_colors(camera, size, corners, tile, shift, records))
+
+    def tracing_colors(
+        self,
+        camera: Camera,
+        size: tuple[int, int],
+        corners: np.ndarray,
+        tile: tuple[int, int],
+        shift: tuple[float, float],
+        records: np.ndarray,
+    ) -> Tracing:
+        """`trace_colors` in steps."""
         numbers = self._numbered(records)
         columns, rows = tile
         number, place = np.divmod(numbers, columns * rows)
         row, column = np.divmod(place, columns)
         pixels = np.asarray(corners)[number] + np.stack([column, row], axis=-1)
         launch = from_eye(camera, size, pixels, (1, 1), shift)
-        return self._trace_lines(
+        return self._tracing_lines(
             launch, len(numbers), self._vertex_rays(camera, size, 0), self._vertex_rays(camera, size, 2)
         )
 
-    def trace_ray_colors(self, origins: np.ndarray, directions: np.ndarray, records: np.ndarray) -> np.ndarray:
+    def tracing_ray_colors(self, origins: np.ndarray, directions: np.ndarray, records: np.ndarray) -> Tracing:
         """The same for the `origins` and `directions` for which `trace_rays` returned `records`."""
         numbers = self._numbered(records)
-        return self._trace_lines(along_rays(origins[numbers], directions[numbers]), len(numbers), NO_RAYS, NO_RAYS)
+        return self._tracing_lines(along_rays(origins[numbers], directions[numbers]), len(numbers), NO_RAYS, NO_RAYS)
 
     def _numbered(self, records: np.ndarray) -> np.ndarray:
         """The rows of paths that disperse, counted from 1 in their word 14."""
@@ -224,21 +268,21 @@ class PathTracer:
         words[numbers, 14] = np.arange(1, len(numbers) + 1)
         return numbers
 
-    def _trace_lines(self, launch: Launch, count: int, red: VertexRays, blue: VertexRays) -> np.ndarray:
+    def _tracing_lines(self, launch: Launch, count: int, red: VertexRays, blue: VertexRays) -> Tracing:
         """Red and blue light of `count` paths, (2, count, 16)."""
         colors = np.empty((2, count, WORDS), np.float32)
         for world, rays, own in zip((self._red, self._blue), (red, blue), colors, strict=True):
-            self._trace(world, launch, count, rays, own)
+            yield from self._tracing(world, launch, count, rays, own)
         return colors
 
-    def _trace(
+    def _tracing(
         self,
         world: World,
         launch: Launch,
         count: int,
         rays: VertexRays,
         records: np.ndarray | None,
-    ) -> np.ndarray:
+    ) -> Tracing:
         """Trace `count` paths; `rays` are those of the ray meshes that the first bounce sends on."""
         if records is None or records.shape != (count, WORDS):
             records = np.empty((count, WORDS), np.float32)
@@ -255,7 +299,7 @@ class PathTracer:
                 bending = NO_RAYS
                 turn += 1
 
-        over_all_cores(work, count, GRAIN)
+        yield from steps_over_all_cores(work, count, GRAIN)
         return records
 
     def _room(self) -> Paths:

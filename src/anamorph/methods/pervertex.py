@@ -11,6 +11,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cache, partial
+from typing import Any
 
 import numpy as np
 import wgpu
@@ -135,9 +136,13 @@ class PerVertexDrawing:
         self._marks = Marks(bodies, options.overlay, options.antialias) if options.overlay != "none" else None
         module = shader_module(
             "gpu/vertices.wgsl", "gpu/map.wgsl",
-            *(f"methods/{name}.wgsl" for name in ("warp", "pervertex", "lens", "doubt")),
+            *(f"methods/{name}.wgsl" for name in ("warp", "pervertex", "lens", "doubt", "looked_up")),
         )  # fmt: skip
-        constants: dict[str, float] = {"REFINEMENTS": options.refine, "MIPMAPS": int(options.mipmaps)}
+        constants: dict[str, float] = {
+            "REFINEMENTS": options.refine,
+            "MIPMAPS": int(options.mipmaps),
+            "SKY_IMAGE": int(stage.buffers.sky_image),
+        }
 
         @cache
         def pipeline(bends: bool, sides: int, cube: bool, output: str) -> wgpu.GPURenderPipeline:
@@ -155,6 +160,12 @@ class PerVertexDrawing:
                 constants={**constants, "SIDES": sides, "CUBE": int(cube), "FOLDS": int(output == "error")},
             )
 
+        def depth_pipeline(vertex: str, **settings: Any) -> wgpu.GPURenderPipeline:
+            settings = {"buffers": (), "groups": (layout,), "depth_compare": "always", **settings}
+            return make_pipeline(module, vertex, None, (), **settings)
+
+        self._nowhere = depth_pipeline("nowhere_vertex")
+        self._looked_up = [depth_pipeline("looked_up_vertex", constants={"REFRACTS": bends}) for bends in (0, 1)]
         self._pipeline = pipeline
         plan = PlanOptions(options.projective, options.align, self._mender is not None, options.start == "vertices")
         self._pictures = Pictures(
@@ -204,11 +215,24 @@ class PerVertexDrawing:
             self._marks.place(self._picture, camera, self._stage.view.size, self._world)
         looks = self._options.refine > 0 or self._mender is not None or self._options.overlay == "inconsistency"
         kinds: Sequence[MapKind] = (MapKind.COLOR,)
+        # Steps lead anywhere in a map, mipmaps blend far texels, and samples at a triangle's border look up beside it.
+        whole = looks or self._options.mipmaps or self._options.antialias > 1
         if looks:
             # The balls have colour, and no depth that could be taken for the scene's.
             at_once = self._options.antialias == 1 and self._marks is None
             kinds = (MapKind.BOTH,) if at_once else (MapKind.COLOR, MapKind.DEPTH)
-        self._pictures.draw_maps(encoder, self._stage.buffers, kinds)
+        self._pictures.draw_maps(encoder, self._stage.buffers, kinds, None if whole else self._bound)
+
+    def _bound(self, level: Level, number: int, depth_pass: wgpu.GPURenderPassEncoder) -> None:
+        """Leave out what no fragment looks up."""
+        draw = level.lookers.get(number)
+        if draw is None:
+            return
+        level.select(depth_pass, draw.number)
+        depth_pass.set_pipeline(self._nowhere)
+        depth_pass.draw(3)
+        depth_pass.set_pipeline(self._looked_up[draw.bends])
+        depth_pass.draw(6 * draw.count, 1, 6 * draw.first)
 
     def complete(self, target: Target, camera: Camera, shift: tuple[float, float]) -> None:
         """Have those tiles traced in which some fragment may be wrong by more than the tolerance."""

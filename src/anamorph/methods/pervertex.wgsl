@@ -14,6 +14,7 @@ struct ReflectorFragment {
     @location(6) @interpolate(flat) normal_a: vec3f,
     @location(7) @interpolate(flat) normal_b: vec3f,
     @location(8) @interpolate(flat) normal_c: vec3f,
+    @location(9) @interpolate(flat) silver: vec4f,
 }
 
 @vertex
@@ -31,6 +32,7 @@ fn reflector_vertex(@builtin(vertex_index) index: u32) -> ReflectorFragment {
         vec2u(vertex.object, triangle.flags),
         position_of(a), position_of(b), position_of(c),
         normal_of(a), normal_of(b), normal_of(c),
+        silver_of(vertex.object),
     );
 }
 
@@ -82,11 +84,11 @@ fn reflected_color(fragment: ReflectorFragment) -> vec4f {
     let way = normalize(fragment.lookup.xyz);
     let dx = start_change(start, dpdx(way), dpdx(start.place));
     let dy = start_change(start, dpdy(way), dpdy(start.place));
-    let seen = found_color(start, mirror.ray, dx, dy);
+    var seen = found_color(start, mirror.ray, dx, dy);
     if !inside_map(start, fragment.lookup.w) {
-        return vec4f(specular_stand_in(fragment.object.x, mirror.normal, mirror.incident, projection.base.w), 1.0);
+        seen = sky_color(mirror.ray.direction, projection.base.w);
     }
-    return vec4f(mirror_reflectance(fragment.object.x, dot(mirror.normal, mirror.incident)) * seen, 1.0);
+    return vec4f(schlick(fragment.silver, dot(mirror.normal, mirror.incident)) * seen, 1.0);
 }
 
 @fragment

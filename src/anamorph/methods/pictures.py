@@ -196,11 +196,17 @@ class Pictures:
         used = {"maps_used_percent": 100.0 * self._used_texels / self._planned_texels} if views else {}
         return {"maps": float(len(views)), "map_texels": float(texels), **used}
 
-    def draw_maps(self, encoder: wgpu.GPUCommandEncoder, buffers: SceneBuffers, kinds: Sequence[MapKind]) -> None:
-        """Draw all maps, those of the last bounce first."""
+    def draw_maps(
+        self,
+        encoder: wgpu.GPUCommandEncoder,
+        buffers: SceneBuffers,
+        kinds: Sequence[MapKind],
+        bound: Callable[[Level, int, wgpu.GPURenderPassEncoder], None] | None = None,
+    ) -> None:
+        """Draw all maps, those of the last bounce first; `bound` may leave out what of a level's map is not needed."""
         for level in reversed(self._levels):
             for kind in kinds if level.views else ():
-                level.atlas.draw(encoder, buffers, kind)
+                level.atlas.draw(encoder, buffers, kind, None if bound is None else partial(bound, level))
 
     def _seen_by(
         self,

@@ -6,9 +6,9 @@ name, and a line in `methods/__init__.py`. The command line, the comparison and 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Generator, Mapping
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import Any, Protocol, runtime_checkable
 
 import numpy as np
 import wgpu
@@ -57,6 +57,29 @@ class Session(Protocol):
         them "device": what the device needed for the last frame that was waited for, where it tells.
         """
         ...
+
+
+@runtime_checkable
+class Stepwise(Protocol):
+    """A session that draws in steps what takes long; others draw it at once."""
+
+    def drawing(self, camera: Camera | RayMesh, shift: tuple[float, float] = (0.0, 0.0)) -> Generator[None, None, None]:
+        """`Session.draw`, as a generator that yields every few milliseconds.
+
+        Until it ends, the texture holds the frame before. It may be closed at any step, and the next frame is drawn as
+        if it had never begun; nothing else may be asked of the session meanwhile.
+        """
+        ...
+
+
+def drawing(
+    session: Session, camera: Camera | RayMesh, shift: tuple[float, float] = (0.0, 0.0)
+) -> Generator[None, None, None]:
+    """Draw a frame in the steps that a session has."""
+    if isinstance(session, Stepwise):
+        yield from session.drawing(camera, shift)
+    else:
+        session.draw(camera, shift)
 
 
 @dataclass(frozen=True)

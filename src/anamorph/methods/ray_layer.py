@@ -6,12 +6,14 @@ come from ray_sources.py; those of the next follow from what it sees of mirrors.
 
 from __future__ import annotations
 
+from collections.abc import Generator
 from dataclasses import dataclass
 
 import numpy as np
 import wgpu
 
 from anamorph.gpu.drawing import ProjectionUniform
+from anamorph.gpu.recording import Recorder
 from anamorph.methods.coloring import Coloring
 from anamorph.methods.ray_records import (
     following_records,
@@ -22,13 +24,17 @@ from anamorph.methods.ray_records import (
 )
 from anamorph.methods.ray_sources import Rays
 from anamorph.methods.visibility import FINENESS, Visibility
-from anamorph.trilinear.beams import Beams, make_beams
+from anamorph.trilinear.beams import Beams, making_beams
 from anamorph.trilinear.following import following_rays
 from anamorph.trilinear.pairs import FRONTS, Own, Triangles
 from anamorph.trilinear.pixels import seen_pixels
 from anamorph.trilinear.plan import Plan, Planner
 from anamorph.trilinear.straight import straight_pieces
 from anamorph.trilinear.tree import Tree
+
+AROUND = 1.0 / 8.0
+"""Pixels by which rays that follow are planned beyond the middles of the pixels that ask for them. Next to the curved
+mirror that they left they spread wide: a whole pixel's may see all of the scene, of which its middle sees one point."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -86,7 +92,7 @@ class Straight:
 
 
 class Layer:
-    """One layer of light of one line of the spectrum."""
+    """One layer of light of one line of the spectrum. What may take long is done in steps."""
 
     def __init__(
         self, visibility: Visibility, coloring: Coloring, size: tuple[int, int], straight: Straight | None = None
@@ -97,23 +103,23 @@ class Layer:
         self._spacing = 0.0 if straight is not None else 1.0 / FINENESS if visibility.fine is not None else 1.0
         self._planner = Planner()
 
-    def beams(self, rays: Rays, world: World) -> Beams:
+    def beams(self, rays: Rays, world: World) -> Generator[None, None, Beams]:
         """The rays that exist, as functions of the picture."""
         chosen = np.flatnonzero(rays.exists)
         picture, origins, directions = (each[chosen] for each in (rays.picture, rays.origins, rays.directions))
-        beams = make_beams(picture, origins, directions, self._size, world.near, self._spacing)
+        beams = yield from making_beams(picture, origins, directions, self._size, world.near, self._spacing)
         return beams._replace(number=chosen[beams.number].astype(np.int32))
 
-    def plan(self, rays: Rays, beams: Beams, world: World) -> Plan:
+    def plan(self, rays: Rays, beams: Beams, world: World) -> Generator[None, None, Plan]:
         """What the rays see."""
         shown, tree = beams.number, world.tree
         own = Own(rays.face[shown], rays.group[shown], rays.sees[shown])
         triangles = Triangles(tree.faces, tree.low, tree.high, tree.corners, world.group)
-        return self._planner.plan(beams, triangles, own)
+        return (yield from self._planner.planning(beams, triangles, own))
 
-    def first(self, rays: Rays, beams: Beams, records: np.ndarray, world: World) -> Sight:
+    def first(self, rays: Rays, beams: Beams, records: np.ndarray, world: World) -> Generator[None, None, Sight]:
         """Take over the rays that leave the surfaces first met; `records` are those of `triangle_records`."""
-        plan = self.plan(rays, beams, world)
+        plan = yield from self.plan(rays, beams, world)
         pairs = pair_records(beams, plan, world.group > 0)
         self.visibility.write(records, pairs, self._pieces(rays, beams, plan, world))
         return Sight(beams, plan, records, pairs)
@@ -129,7 +135,7 @@ class Layer:
         )  # fmt: skip
         return straight_records(pieces)
 
-    def follow(self, before: Sight, world: World) -> Sight | None:
+    def follow(self, before: Sight, world: World) -> Generator[None, None, Sight | None]:
         """Take over the rays that mirrors send on which the layer before sees; None where it sees none."""
         pair = before.plan.pair
         chosen = np.flatnonzero((pair[:, 2] == 1) & world.mirror[pair[:, 1]])
@@ -138,10 +144,13 @@ class Layer:
         if not len(chosen):
             return None
         sent = following_rays(before.beams, before.plan, chosen, world.corners, world.normals)
-        # The rectangle of the pixels that see the mirror: pieces may reach further.
-        low_high = box + np.array([-0.5, -0.5, 0.5, 0.5])
+        yield
+        # The rectangle of the middles of the pixels that see the mirror: pieces may reach further.
+        low_high = box + AROUND * np.array([-1.0, -1.0, 1.0, 1.0])
         domain = low_high[:, [[0, 1], [2, 1], [2, 3], [0, 3]]] + before.beams.center[pair[chosen, 0]][:, None]
-        beams = make_beams(sent.picture, sent.origins, sent.directions, self._size, world.near, 1.0, domain)
+        beams = yield from making_beams(
+            sent.picture, sent.origins, sent.directions, self._size, world.near, 1.0, domain
+        )
         if not len(beams.number):
             return None
         face = pair[chosen, 1]
@@ -152,19 +161,30 @@ class Layer:
             np.ones(count, bool), np.zeros(count, bool),
             face, world.object[face], world.group[face], np.full(count, FRONTS, np.int32), nothing,
         )  # fmt: skip
-        plan = self.plan(rays, beams, world)
+        plan = yield from self.plan(rays, beams, world)
         records = following_records(
             triangle_records(rays, beams), beams, before.beams, before.plan, before.records, before.pairs, chosen
         )
+        yield
         pairs = pair_records(beams, plan, world.group > 0)
         drawn = piece_corners(records, before.beams, before.plan, chosen)
+        yield
         self.visibility.write(drawn, pairs, piece_records(beams, plan))
         return Sight(beams, plan, records, pairs)
 
-    def draw(self, encoder: wgpu.GPUCommandEncoder, projection: ProjectionUniform, clear: bool) -> None:
-        """Find what is seen, and colour it."""
-        self.visibility.draw(encoder, projection)
+    def draw(
+        self, encoder: wgpu.GPUCommandEncoder, recorder: Recorder, projection: ProjectionUniform, clear: bool
+    ) -> Generator[None, None, wgpu.GPUCommandEncoder]:
+        """Find what is seen, and colour it; returns the encoder to go on with."""
+        encoder = yield from self.visibility.draw(encoder, recorder, projection)
+        if self.visibility.many:
+            encoder = recorder.part(encoder)
+            yield
         self.coloring.draw(encoder, projection, clear)
+        if self.visibility.many:
+            encoder = recorder.part(encoder)
+            yield
+        return encoder
 
 
 def piece_corners(records: np.ndarray, beams: Beams, plan: Plan, chosen: np.ndarray) -> np.ndarray:

@@ -7,7 +7,7 @@ the other methods are held against, and the competitor that they must be faster 
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Generator
 from dataclasses import dataclass
 
 import numpy as np
@@ -18,7 +18,7 @@ from anamorph.frame import View
 from anamorph.gpu.targets import Target
 from anamorph.methods.bounces import WORDS
 from anamorph.methods.options import check_options, option
-from anamorph.methods.paths import PathTracer, Rectangle, specular_rectangle
+from anamorph.methods.paths import PathTracer, Rectangle, Tracing, specular_rectangle
 from anamorph.methods.pixel_rays import pixel_rays
 from anamorph.methods.protocol import Method, Session
 from anamorph.methods.session import DrawingSession, Stage
@@ -28,7 +28,7 @@ from anamorph.rays import Caster
 from anamorph.scene.camera import Camera
 from anamorph.scene.geometry import Geometry
 
-Colors = Callable[[np.ndarray, tuple[int, int], slice, np.ndarray], np.ndarray]
+Colors = Callable[[np.ndarray, tuple[int, int], slice, np.ndarray], Tracing]
 """Traces red and blue light for a band of the picture: its corner (1, 2), its size, the rows of its records, these."""
 
 
@@ -77,39 +77,44 @@ class TracedDrawing:
         self._caster.moved(geometry.positions, self._rebuilds)
         self._tracer.moved(geometry)
 
-    def prepare(self, encoder: wgpu.GPUCommandEncoder, camera: Camera | RayMesh, shift: tuple[float, float]) -> None:
+    def prepare(
+        self, encoder: wgpu.GPUCommandEncoder, camera: Camera | RayMesh, shift: tuple[float, float]
+    ) -> Generator[None, None, wgpu.GPUCommandEncoder]:
         """Trace the pixels around the specular surfaces, or all of a ray mesh's, and upload where their paths end."""
         looked, self._looked = self._looked, (camera, shift)
         self._used, self._records = 0, None
         if isinstance(camera, RayMesh):
             stays = looked is not None and looked[0] is camera and looked[1] == shift
-            self._trace_mesh(camera, shift, stays)
+            yield from self._trace_mesh(camera, shift, stays)
         else:
-            self._trace_eye(camera, shift)
+            yield from self._trace_eye(camera, shift)
+        return encoder
 
-    def _trace_eye(self, camera: Camera, shift: tuple[float, float]) -> None:
+    def _trace_eye(self, camera: Camera, shift: tuple[float, float]) -> Generator[None, None, None]:
         size = self._stage.view.size
         rectangle = specular_rectangle(self._stage.view.scene, camera, size)
         if rectangle is None:
             return
 
-        def colors(corner: np.ndarray, tile: tuple[int, int], rows: slice, part: np.ndarray) -> np.ndarray:
-            return self._tracer.trace_colors(camera, size, corner, tile, shift, part)
+        def colors(corner: np.ndarray, tile: tuple[int, int], rows: slice, part: np.ndarray) -> Tracing:
+            return self._tracer.tracing_colors(camera, size, corner, tile, shift, part)
 
-        self._write(rectangle, self._tracer.trace(camera, size, rectangle, shift, self._room), colors)
+        records = yield from self._tracer.tracing(camera, size, rectangle, shift, self._room)
+        yield from self._write(rectangle, records, colors)
 
-    def _trace_mesh(self, mesh: RayMesh, shift: tuple[float, float], stays: bool) -> None:
+    def _trace_mesh(self, mesh: RayMesh, shift: tuple[float, float], stays: bool) -> Generator[None, None, None]:
         size = self._stage.view.size
         if self._first is None or not stays:
             self._first = pixel_rays(mesh, size, shift, self._first)
         origins, directions = self._first
 
-        def colors(corner: np.ndarray, tile: tuple[int, int], rows: slice, part: np.ndarray) -> np.ndarray:
-            return self._tracer.trace_ray_colors(origins[rows], directions[rows], part)
+        def colors(corner: np.ndarray, tile: tuple[int, int], rows: slice, part: np.ndarray) -> Tracing:
+            return self._tracer.tracing_ray_colors(origins[rows], directions[rows], part)
 
-        self._write((0, 0, *size), self._tracer.trace_rays(origins, directions, self._room), colors)
+        records = yield from self._tracer.tracing_rays(origins, directions, self._room)
+        yield from self._write((0, 0, *size), records, colors)
 
-    def _write(self, rectangle: Rectangle, records: np.ndarray, colors: Colors) -> None:
+    def _write(self, rectangle: Rectangle, records: np.ndarray, colors: Colors) -> Generator[None, None, None]:
         """Upload the records of a rectangle, in bands of as many rows as a buffer holds."""
         self._records, self._room = (rectangle, records), records
         x0, y0, x1, y1 = rectangle
@@ -121,7 +126,7 @@ class TracedDrawing:
                 self._bands.append(Tiles(self._stage.buffers))
             own = slice((top - y0) * width, (bottom - y0) * width)
             corner, tile = np.array([[x0, top]]), (width, bottom - top)
-            lines = colors(corner, tile, own, records[own]) if self._dispersion else None
+            lines = (yield from colors(corner, tile, own, records[own])) if self._dispersion else None
             self._bands[self._used].write(corner, tile, records[own], lines)
             self._used += 1
 

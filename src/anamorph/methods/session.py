@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Generator, Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
 from time import perf_counter
@@ -20,18 +20,27 @@ from anamorph.gpu.drawing import (
     ScenePipelines,
     bind_scene,
     color_pipelines,
+    draw_depth,
     draw_scene,
     projection_uniform,
     seen_pipelines,
     submit,
-    wait,
 )
-from anamorph.gpu.targets import COLOR_FORMAT, SEEN_FORMATS, Target, begin_pass, make_target, read_texture
-from anamorph.gpu.timing import device_timer
+from anamorph.gpu.recording import Recorder
+from anamorph.gpu.targets import (
+    COLOR_FORMAT,
+    SEEN_FORMATS,
+    Target,
+    begin_depth_pass,
+    begin_pass,
+    make_target,
+    read_texture,
+)
 from anamorph.projection import camera_projection
 from anamorph.raymesh import RayMesh
 from anamorph.scene.camera import Camera
 from anamorph.scene.geometry import Geometry, flatten
+from anamorph.steps import drain, timed
 
 
 class SpecularDrawing(Protocol):
@@ -49,8 +58,14 @@ class SpecularDrawing(Protocol):
         """Take notice that vertices have moved: they are where `geometry` says, and so on the device."""
         ...
 
-    def prepare(self, encoder: wgpu.GPUCommandEncoder, camera: Any, shift: tuple[float, float]) -> None:
-        """Record whatever must be drawn or uploaded before the picture: maps, texture coordinates, hits."""
+    def prepare(
+        self, encoder: wgpu.GPUCommandEncoder, camera: Any, shift: tuple[float, float]
+    ) -> Generator[None, None, wgpu.GPUCommandEncoder] | None:
+        """Record whatever must be drawn or uploaded before the picture: maps, texture coordinates, hits.
+
+        Where that may take long it is a generator, which yields every few milliseconds and returns the encoder to go
+        on with: see `Recorder.part`. It may be closed at any step; the next frame then begins anew.
+        """
         ...
 
     def draw_color(self, render_pass: wgpu.GPURenderPassEncoder) -> None:
@@ -83,6 +98,7 @@ class Stage:
 
     Attributes
     ----------
+    recorder : Recorder
     pinhole : bool
         Whether the camera is one. If it is a ray mesh, only the picture's size in the projection means something, and
         the session leaves all drawing to the method.
@@ -96,6 +112,7 @@ class Stage:
             width, height = view.size
             raise AnamorphError(f"size {width}x{height}: give a width and height from 1 to {maximum_size()}")
         self.view = view
+        self.recorder = Recorder()
         self.pinhole = not isinstance(view.camera, RayMesh)
         self.geometry: Geometry = flatten(view.scene)
         self.buffers: SceneBuffers = upload_scene(view.scene, self.geometry)
@@ -143,8 +160,7 @@ class DrawingSession:
         self._stage = stage
         self._drawing = drawing
         self._target = make_target(stage.view.size, (COLOR_FORMAT,), antialias)
-        self._pipelines = color_pipelines(antialias)
-        self._timer = device_timer()
+        self._pipelines = color_pipelines(antialias, sky_image=stage.buffers.sky_image)
         self._phases: dict[str, float] = {}
 
     @property
@@ -154,35 +170,49 @@ class DrawingSession:
 
     def draw(self, camera: Camera | RayMesh, shift: tuple[float, float] = (0.0, 0.0)) -> None:
         """Submit one frame."""
+        drain(self.drawing(camera, shift))
+
+    def drawing(self, camera: Camera | RayMesh, shift: tuple[float, float] = (0.0, 0.0)) -> Generator[None, None, None]:
+        """Submit one frame in steps. See `Stepwise`."""
         stage, began = self._stage, perf_counter()
         stage.look(camera, shift)
-        encoder = get_device().create_command_encoder()
-        if self._timer is not None:
-            self._timer.begin(encoder)
-        self._drawing.prepare(encoder, camera, shift)
+        encoder = stage.recorder.begin()
+        steps = self._drawing.prepare(encoder, camera, shift)
+        preparing = perf_counter() - began
+        if steps is not None:
+            encoder, seconds = yield from timed(steps)
+            preparing += seconds
         prepared = perf_counter()
-        render_pass = begin_pass(encoder, self._target)
-        # What stands behind a mirror need not be shaded: the mirror comes first.
-        bind_scene(render_pass, stage.buffers, stage.projection)
-        self._drawing.draw_color(render_pass)
-        self._draw_scene(render_pass, self._pipelines)
-        render_pass.end()
-        if self._timer is not None:
-            self._timer.end(encoder)
-        submit(encoder)
+        self._draw(encoder, self._target, self._pipelines, self._drawing.draw_color)
+        stage.recorder.submit(encoder)
         recorded = perf_counter()
         self._drawing.complete(self._target, camera, shift)
-        spent = {"prepare": prepared - began, "record": recorded - prepared, "mend": perf_counter() - recorded}
+        spent = {"prepare": preparing, "record": recorded - prepared, "mend": perf_counter() - recorded}
         self._phases |= {phase: 1000.0 * seconds for phase, seconds in spent.items()}
 
     def phases(self) -> Mapping[str, float]:
         """Where a frame's time goes."""
         return dict(self._phases)
 
-    def _draw_scene(self, render_pass: wgpu.GPURenderPassEncoder, pipelines: ScenePipelines) -> None:
-        if self._stage.pinhole:
-            buffers, projection = self._stage.buffers, self._stage.projection
+    def _draw(
+        self,
+        encoder: wgpu.GPUCommandEncoder,
+        target: Target,
+        pipelines: ScenePipelines,
+        draw_specular: Callable[[wgpu.GPURenderPassEncoder], None],
+    ) -> None:
+        buffers, projection, pinhole = self._stage.buffers, self._stage.projection, self._stage.pinhole
+        depth_pass = begin_depth_pass(encoder, target)
+        if pinhole:
+            draw_depth(depth_pass, pipelines, buffers, projection)
+        depth_pass.end()
+        render_pass = begin_pass(encoder, target, keep_depth=True)
+        # What stands behind a mirror need not be shaded: the mirror comes first.
+        bind_scene(render_pass, buffers, projection)
+        draw_specular(render_pass)
+        if pinhole:
             draw_scene(render_pass, pipelines, buffers, projection, self._drawing.replaced)
+        render_pass.end()
 
     def deform(self, positions: np.ndarray, normals: np.ndarray) -> None:
         """Move the scene's vertices."""
@@ -191,10 +221,7 @@ class DrawingSession:
 
     def wait(self) -> None:
         """Return when every submitted frame is finished."""
-        if self._timer is None:
-            wait()
-            return
-        milliseconds = self._timer.wait()
+        milliseconds = self._stage.recorder.wait()
         if milliseconds is not None:
             self._phases["device"] = milliseconds
 
@@ -207,11 +234,7 @@ class DrawingSession:
         target = make_target(stage.view.size, SEEN_FORMATS)
         encoder = get_device().create_command_encoder()
         self._drawing.prepare_seen(encoder)
-        render_pass = begin_pass(encoder, target)
-        bind_scene(render_pass, stage.buffers, stage.projection)
-        self._drawing.draw_seen(render_pass)
-        self._draw_scene(render_pass, seen_pipelines())
-        render_pass.end()
+        self._draw(encoder, target, seen_pipelines(), self._drawing.draw_seen)
         submit(encoder)
         point, flags, deviation = (read_texture(texture) for texture in target.textures)
         # What nothing has drawn: even the sky leaves its status.

@@ -11,6 +11,7 @@ these are too wrong, which `edges=straight` does (trilinear/straight.py). Else e
 
 from __future__ import annotations
 
+from collections.abc import Generator
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -145,30 +146,34 @@ class TrilinearDrawing:
         corners = np.asarray(geometry.positions, float)[geometry.faces]
         self._world = replace(self._world, corners=corners, tree=moved_tree(self._world.tree, corners))
 
-    def prepare(self, encoder: wgpu.GPUCommandEncoder, camera: Camera | RayMesh, shift: tuple[float, float]) -> None:
-        """Plan what each ray triangle sees, find it for each pixel, and colour it."""
+    def prepare(
+        self, encoder: wgpu.GPUCommandEncoder, camera: Camera | RayMesh, shift: tuple[float, float]
+    ) -> Generator[None, None, wgpu.GPUCommandEncoder]:
+        """Plan what each ray triangle sees, find it for each pixel, and colour it, in steps."""
+        recorder = self._stage.recorder
         size, projection = self._stage.view.size, self._stage.projection
         if not self._bare and not self._sources.meshes:
-            return
+            return encoder
         if isinstance(camera, RayMesh):
             lines = [bare_rays(camera)]
         else:
             lines = self._sources.rays(camera, size, self._options.dispersion)
         for number, (unmoved, layers) in enumerate(zip(lines, self._lines, strict=False)):
             rays = replace(unmoved, picture=unmoved.picture - unmoved.picture[..., 2:] * [*shift, 0.0])
-            beams = layers[0].beams(rays, self._world)
+            beams = yield from layers[0].beams(rays, self._world)
             records = triangle_records(rays, beams)
             if isinstance(camera, Camera):
                 add_incident(records, beams, camera, size, shift)
-            sights = [layers[0].first(rays, beams, records, self._world)]
-            layers[0].draw(encoder, projection, clear=number == 0)
+            sights = [(yield from layers[0].first(rays, beams, records, self._world))]
+            encoder = yield from layers[0].draw(encoder, recorder, projection, clear=number == 0)
             for layer in layers[1:]:
-                sight = layer.follow(sights[-1], self._world)
+                sight = yield from layer.follow(sights[-1], self._world)
                 if sight is None:
                     break
-                layer.draw(encoder, projection, clear=False)
+                encoder = yield from layer.draw(encoder, recorder, projection, clear=False)
                 sights.append(sight)
             self._sights = sights if number == 0 else self._sights
+        return encoder
 
     def complete(self, target: Target, camera: Camera | RayMesh, shift: tuple[float, float]) -> None:
         """There is nothing to mend."""

@@ -6,6 +6,7 @@ and the pieces of all pairs, of which each pixel keeps the nearest that holds it
 
 from __future__ import annotations
 
+from collections.abc import Generator
 from dataclasses import dataclass
 from typing import Any
 
@@ -16,11 +17,15 @@ from anamorph.gpu.bindings import STORAGE, bind, layout_of, texture
 from anamorph.gpu.buffers import SceneBuffers, roomy_buffer
 from anamorph.gpu.device import get_device, of_device
 from anamorph.gpu.drawing import ProjectionUniform, bind_scene, make_pipeline, shader_module
+from anamorph.gpu.recording import Recorder
 from anamorph.gpu.targets import COLOR_FORMAT, Target, begin_pass, make_target
 from anamorph.methods.ray_records import PIECE, RAY_TRIANGLE, STRAIGHT_CORNER
 
 NUMBER_FORMAT = "r32uint"
 WEIGHTS_FORMAT = "rg32float"
+
+AT_ONCE = 3 * 2**13
+"""Corners of pieces that the device is given at once."""
 
 FINENESS = 2
 """Samples of a pixel along each axis, where there is more than one."""
@@ -158,6 +163,11 @@ class Visibility:
         """How many ray triangles there are."""
         return self._count
 
+    @property
+    def many(self) -> bool:
+        """Whether there are so many pieces that the device is given them in parts."""
+        return self._corners > AT_ONCE
+
     def write(self, triangles: np.ndarray, pairs: np.ndarray, pieces: np.ndarray) -> None:
         """Take over ray triangles (K,) of `RAY_TRIANGLE`, pairs of `PAIR`, and `PIECE` or `STRAIGHT_CORNER`s."""
         assert triangles.dtype == RAY_TRIANGLE and pieces.dtype in (PIECE, STRAIGHT_CORNER)
@@ -171,11 +181,22 @@ class Visibility:
         for room, content in zip(rooms, contents, strict=True):
             get_device().queue.write_buffer(room, 0, content)
 
-    def draw(self, encoder: wgpu.GPUCommandEncoder, projection: ProjectionUniform) -> None:
-        """Find every pixel's ray triangle, and what it sees; and every sample's, if there are several."""
+    def draw(
+        self, encoder: wgpu.GPUCommandEncoder, recorder: Recorder, projection: ProjectionUniform
+    ) -> Generator[None, None, wgpu.GPUCommandEncoder]:
+        """Find every pixel's ray triangle, and what it sees; and every sample's, if there are several.
+
+        Many pieces are handed to the device in parts, each a step; returns the encoder to go on with.
+        """
         for views, visible, owned in zip(self._all(), self._visible, self._owned, strict=True):
-            self._draw(encoder, projection, views.owners, self._owner, self._source, 3 * self._count)
-            self._draw(encoder, projection, views.seen, visible, owned, self._corners)
+            self._draw(encoder, projection, views.owners, self._owner, self._source, range(3 * self._count))
+            for first in range(0, max(self._corners, 1), AT_ONCE):
+                if first:
+                    encoder = recorder.part(encoder)
+                    yield
+                some = range(first, min(first + AT_ONCE, self._corners))
+                self._draw(encoder, projection, views.seen, visible, owned, some, keep=first > 0)
+        return encoder
 
     def _all(self) -> list[Views]:
         return [views for views in (self.views, self.fine) if views is not None]
@@ -187,14 +208,15 @@ class Visibility:
         target: Target,
         pipeline: wgpu.GPURenderPipeline,
         group: wgpu.GPUBindGroup,
-        corners: int,
+        corners: range,
+        keep: bool = False,
     ) -> None:
-        render_pass = begin_pass(encoder, target)
+        render_pass = begin_pass(encoder, target, clear=not keep)
         bind_scene(render_pass, self._buffers, projection)
         self.bind(render_pass)
         render_pass.set_bind_group(3, group)
         render_pass.set_pipeline(pipeline)
-        render_pass.draw(corners)
+        render_pass.draw(len(corners), 1, corners.start)
         render_pass.end()
 
     def bind(self, render_pass: wgpu.GPURenderPassEncoder) -> None:

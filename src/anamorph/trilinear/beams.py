@@ -14,7 +14,8 @@ Source: the ray triangle is that of Vallance 2005, equation 2.4; homogeneous pic
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from collections.abc import Generator
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -32,6 +33,10 @@ LEAST_SCALE = 2.0**-10
 
 FLAT = 1e-9
 """A ray triangle whose picture is thinner than this, as a share of its length, covers no pixel."""
+
+
+AT_ONCE = 1024
+"""Ray triangles of one step."""
 
 
 class Beams(NamedTuple):
@@ -165,6 +170,31 @@ def make_beams(
         spacing=spacing,
         near=near_t,
     )
+
+
+def making_beams(
+    picture: np.ndarray,
+    origins: np.ndarray,
+    directions: np.ndarray,
+    size: tuple[int, int],
+    near: float = 0.0,
+    spacing: float = 0.0,
+    domain: np.ndarray | None = None,
+) -> Generator[None, None, Beams]:
+    """As `make_beams`, in steps."""
+    parts = []
+    for first in range(0, max(len(picture), 1), AT_ONCE):
+        some = slice(first, first + AT_ONCE)
+        own = None if domain is None else domain[some]
+        part = make_beams(picture[some], origins[some], directions[some], size, near, spacing, own)
+        parts.append(part._replace(number=part.number + np.int32(first)))
+        yield
+    if len(parts) == 1:
+        return parts[0]
+    arrays: dict[str, Any] = {
+        name: np.concatenate([getattr(part, name) for part in parts]) for name in Beams._fields if name != "spacing"
+    }
+    return Beams(spacing=spacing, **arrays)
 
 
 def _extent(part: np.ndarray, corners: np.ndarray) -> np.ndarray:

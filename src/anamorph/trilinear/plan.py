@@ -2,17 +2,23 @@
 
 from __future__ import annotations
 
+import threading
+from collections.abc import Generator
 from dataclasses import dataclass
 
 import numpy as np
 
-from anamorph.compiled import cores, over_all_cores
+from anamorph.compiled import cores, steps_over_all_cores
+from anamorph.steps import drain
 from anamorph.trilinear.beams import Beams
 from anamorph.trilinear.pairs import Own, Room, Triangles, fill, make_room
 
 PIECES_A_PAIR = 4
 SHARES_A_CORE = 4
-"""Into how many shares the ray triangles are divided for each core: they are not all equally much work."""
+"""Into how many shares the ray triangles are divided for each core at least: they are not all equally much work."""
+
+LARGEST_SHARE = 64
+"""Ray triangles: a share is worked out to its end once it is begun."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,18 +49,22 @@ class Planner:
     """Makes plans, in arrays that it keeps from one to the next."""
 
     def __init__(self) -> None:
-        self._rooms: dict[int, Room] = {}
+        self._thread = threading.local()
 
     def plan(self, beams: Beams, triangles: Triangles, own: Own) -> Plan:
         """What each ray triangle sees of the scene's triangles."""
+        return drain(self.planning(beams, triangles, own))
+
+    def planning(self, beams: Beams, triangles: Triangles, own: Own) -> Generator[None, None, Plan]:
+        """The same, in steps."""
         count = len(beams.number)
-        grain = max(1, -(-count // (SHARES_A_CORE * cores())))
+        grain = min(max(1, -(-count // (SHARES_A_CORE * cores()))), LARGEST_SHARE)
         found: dict[int, list[tuple[np.ndarray, ...]]] = {}
 
         def work(start: int, stop: int) -> None:
             found[start] = self._share(beams, triangles, own, start, stop)
 
-        over_all_cores(work, count, grain)
+        yield from steps_over_all_cores(work, count, grain)
         parts = [part for start in sorted(found) for part in found[start]]
         if not parts:
             parts = [self._copied(make_room(1, 1), 0, 0)]
@@ -66,18 +76,23 @@ class Planner:
     def _share(
         self, beams: Beams, triangles: Triangles, own: Own, start: int, stop: int
     ) -> list[tuple[np.ndarray, ...]]:
-        room = self._rooms.get(start)
-        if room is None:
-            room = self._rooms[start] = make_room(1024, PIECES_A_PAIR * 1024)
+        room = self._room()
         parts = []
         while start < stop:
             following, pairs, pieces = fill(beams, triangles, own, start, stop, room)
             if pairs:
                 parts.append(self._copied(room, pairs, pieces))
             if following == start:
-                room = make_room(2 * len(room.pair), 2 * len(room.owner))
+                room = self._thread.room = make_room(2 * len(room.pair), 2 * len(room.owner))
             start = following
         return parts
+
+    def _room(self) -> Room:
+        """The calling thread's own arrays, as large as they have had to be."""
+        if not hasattr(self._thread, "room"):
+            self._thread.room = make_room(1024, PIECES_A_PAIR * 1024)
+        room: Room = self._thread.room
+        return room
 
     @staticmethod
     def _copied(room: Room, pairs: int, pieces: int) -> tuple[np.ndarray, ...]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from time import perf_counter
 from typing import Any
@@ -18,16 +19,16 @@ from anamorph.projection import camera_projection
 from anamorph.scene.model import Scene
 from anamorph.viewer import starting
 from anamorph.viewer.controls import edited
-from anamorph.viewer.facts import Facts, Progress, Request
+from anamorph.viewer.facts import Facts, Request
 from anamorph.viewer.failures import told
-from anamorph.viewer.gestures import NO_GRIP, cursor, handle
+from anamorph.viewer.gestures import NO_GRIP, counted_from, cursor, handle
 from anamorph.viewer.home import Home
+from anamorph.viewer.job import Job
 from anamorph.viewer.layout import in_pixels, inside, picture_area
 from anamorph.viewer.looking import Looking
 from anamorph.viewer.marks import NO_MARKS
 from anamorph.viewer.panel.panel import Drawn, draw_panel
 from anamorph.viewer.reports import report
-from anamorph.viewer.saving import Saving
 from anamorph.viewer.shortcuts import press
 from anamorph.viewer.showing import Showing
 from anamorph.viewer.space import Space, space_marks
@@ -47,6 +48,12 @@ REST_DELAY = 0.15
 
 TIP_DELAY = 0.4
 """Seconds until what the pointer rests on in the panel is explained: a little more than imgui waits."""
+
+LONGEST_REFINING = 0.25
+"""Seconds of refining for one picture, however long the last one took to be shown."""
+
+UNSEEN = 0.25
+"""Seconds without a picture after which what is being saved goes on without: nobody looks."""
 
 Later = Callable[[float, Callable[[], None]], object]
 """Has something called after so many seconds."""
@@ -73,8 +80,7 @@ class Viewer:
 
     def __init__(self, canvas: BaseRenderCanvas, start: Start, later: Later | None = None) -> None:
         self._canvas, self._later = canvas, later
-        self._saving: Saving | None = None
-        self._progress: Progress | None = None
+        self._job: Job | None = None
         self._surface = Surface(self._canvas)
         self._handlers = {
             self._on_pointer: ("pointer_down", "pointer_move", "pointer_up", "wheel", "double_click"),
@@ -87,6 +93,7 @@ class Viewer:
         self.frames = 0
         self._settling = SETTLING
         self._pressed_at = 0.0
+        self._cursor = "default"
         self._closed = False
         self._begin(start, start.state)
         canvas.request_draw(self._draw)
@@ -101,7 +108,7 @@ class Viewer:
 
     def _begin(self, start: Start, state: State) -> None:
         self.start, self.state = start, state
-        self.message = start.message or ("stopped saving" if self._saving is not None else "")
+        self.message = start.message or ("stopped saving" if self._job is not None else "")
         self._home = Home(start.state, start.opened.scene)
         self._scene = start.opened.scene
         self._values: object = {}
@@ -124,7 +131,7 @@ class Viewer:
 
     def report(self) -> dict[str, Any]:
         """What the viewer shows, and where: plain data, for scripts and tests."""
-        return report(self._facts(), self.state, self._drawn, self.frames, self._at_rest)
+        return report(self._facts(), self.state, self._drawn, self.frames, self._showing.finished)
 
     def close(self) -> None:
         """End what runs, and let go of the canvas, and of everything on the device and in imgui."""
@@ -141,7 +148,7 @@ class Viewer:
         self._showing, self._space = Showing(), Space(self._scene)
         self._marked: object = None
         self._looking = Looking()
-        self._changed_at = 0.0
+        self._changed_at, self._refined_at = 0.0, np.inf
 
     def _on_any(self, event: dict[str, Any]) -> None:
         self._take(event)
@@ -174,9 +181,13 @@ class Viewer:
             return
         left, top, right, bottom = self._area
         size = right - left, bottom - top
-        within = _moved(event, -left, -top)
+        within = counted_from(event, left, top)
         self._grip, self.state = handle(within, self._grip, self.state, size, self._home)
-        self._canvas.set_cursor(cursor(within, self.state, size, self._grip))
+        shape = cursor(within, self.state, size, self._grip)
+        if shape != self._cursor:
+            # Each is a message to every page: the slow ones' would pile up.
+            self._cursor = shape
+            self._canvas.set_cursor(shape)
 
     def _on_key(self, event: dict[str, Any]) -> None:
         self._take(event)
@@ -194,11 +205,6 @@ class Viewer:
         """Left, top, width and height of the picture on the canvas."""
         return in_pixels(self._area, self._canvas.get_pixel_ratio())
 
-    @property
-    def _at_rest(self) -> bool:
-        """Whether nothing is left to refine."""
-        return self._showing.finished
-
     def _draw(self) -> None:
         """One frame: whatever is due, and then the canvas."""
         if self._closed:
@@ -207,19 +213,22 @@ class Viewer:
         self._recover(device_lost())
         # Each for itself: whatever fails, the panel is there to say so.
         for step in (self._open_asked, self._show_panel, self._advance, self._mark, self._paint):
-            try:
-                step()
-            except wgpu.DrawCancelled:
-                # A window that cannot be drawn into now; the canvas tries again.
-                raise
-            except Exception as error:
-                self._tell(told(error, "drawing"))
-                if isinstance(error, wgpu.GPUError):
-                    self._let_go()
+            self._attempt(step)
         self.frames += 1
         if self._settling > 0:
             self._settling -= 1
             self._canvas.request_draw()
+
+    def _attempt(self, step: Callable[[], None]) -> None:
+        try:
+            step()
+        except wgpu.DrawCancelled:
+            # A window that cannot be drawn into now; the canvas tries again.
+            raise
+        except Exception as error:
+            self._tell(told(error, "drawing"))
+            if isinstance(error, wgpu.GPUError):
+                self._let_go()
 
     def _tell(self, message: str) -> None:
         """Show a message that may come up again with every frame, without a frame for each."""
@@ -238,21 +247,29 @@ class Viewer:
             self.message = "the graphics device was lost; this is drawn with a new one"
 
     def _advance(self) -> None:
-        """Draw what has moved; else take one step of what is to be done at rest."""
+        """Draw what has moved; else take a step of what is to be done at rest."""
         scene, size, now = self._edited_scene(), self._pixels[2:], perf_counter()
         if not scene.meshes or min(size) < 1:
             return
         if self._showing.update(scene, self.state, size):
-            self._changed_at = now
-            self._wake(REST_DELAY)
+            self._changed_at, self._refined_at = now, np.inf
+            if self._showing.moving:
+                self._canvas.request_draw()
+            else:
+                self._wake(REST_DELAY)
             return
-        if self._saving is not None:
-            self._save(self._saving)
+        if self._job is not None:
+            self._save(self._job)
         waited = now - self._changed_at
         if self._later is not None and waited < REST_DELAY:
             return
-        if self._showing.rest():
+        # Whoever takes long to show a picture is sent fewer: what is refined for one takes as long again.
+        taken = min(now - self._refined_at, LONGEST_REFINING)
+        while self._showing.rest():
             self._canvas.request_draw()
+            self._refined_at = perf_counter()
+            if self._refined_at - now >= taken:
+                break
 
     def _wake(self, seconds: float) -> None:
         if self._later is None:
@@ -318,33 +335,38 @@ class Viewer:
             if request is Request.DISMISS:
                 self.message = ""
             elif request is Request.CANCEL:
-                self.message = "stopped" if self._saving is not None else self.message
+                self.message = "stopped" if self._job is not None else self.message
                 self._stop_saving()
-            elif self._saving is not None:
+            elif self._job is not None:
                 self.message = "something is being saved; wait for it, or cancel it"
             elif self._scene.meshes:
                 size = self._pixels[2:]
                 self.message = ""
                 shot = Shot(self.start.opened, self._scene, self.state, size, self._showing, self._picture)
-                self._saving = saving_of(request, shot, Path())
+                self._job = Job(saving_of(request, shot, Path()))
+                self._save_unseen(self._job, frames=-1)
             self.refresh()
 
-    def _save(self, saving: Saving) -> None:
-        """Take one step of what is being saved."""
-        try:
-            self._progress = next(saving)
-        except StopIteration as end:
-            self.message = end.value
-            self._stop_saving()
-        except Exception as error:
-            self.message = told(error, "saving")
+    def _save(self, job: Job) -> None:
+        """Go on with what is being saved."""
+        ended = job.advance()
+        if ended is not None:
+            self.message = ended
             self._stop_saving()
         self.refresh()
 
+    def _save_unseen(self, job: Job, frames: int) -> None:
+        """Go on with what is being saved where nothing has been drawn since so many frames: closed tabs end nothing."""
+        if job is self._job and self._later is not None:
+            unseen = frames == self.frames
+            if unseen:
+                self._attempt(self._advance)
+            self._later(0.01 if unseen else UNSEEN, partial(self._save_unseen, job, self.frames))
+
     def _stop_saving(self) -> None:
-        if self._saving is not None:
-            self._saving.close()
-        self._saving, self._progress = None, None
+        if self._job is not None:
+            self._job.stop()
+        self._job = None
 
     def _picture(self) -> np.ndarray:
         """The picture as it is shown, without the panel, (H, W, 3) uint8 sRGB."""
@@ -370,15 +392,5 @@ class Viewer:
             figures=tuple(each.figures if each else None for each in measured),
             inspection=self._looking.inspection,
             message=" ".join(filter(None, (self.message, *showing.failures))),
-            progress=self._progress,
+            progress=self._job.progress if self._job else None,
         )
-
-
-def _moved(event: dict[str, Any], right: float, down: float) -> dict[str, Any]:
-    """A pointer event with its places moved, its touches' too."""
-    moved = {**event, "x": event["x"] + right, "y": event["y"] + down}
-    if event.get("touches"):
-        moved["touches"] = {
-            name: {**touch, "x": touch["x"] + right, "y": touch["y"] + down} for name, touch in event["touches"].items()
-        }
-    return moved

@@ -146,6 +146,16 @@ def cursor(event: Event, state: State, size: Size, grip: Grip = NO_GRIP) -> str:
     return "ew_resize" if over or grip.held is Held.DIVIDER else "default"
 
 
+def counted_from(event: Event, left: float, top: float) -> Event:
+    """A pointer event with its places, its touches' too, counted from a corner and not from the canvas's."""
+    counted = {**event, "x": event["x"] - left, "y": event["y"] - top}
+    if event.get("touches"):
+        counted["touches"] = {
+            name: {**touch, "x": touch["x"] - left, "y": touch["y"] - top} for name, touch in event["touches"].items()
+        }
+    return counted
+
+
 def _down(event: Event, grip: Grip, state: State, size: Size) -> tuple[Grip, State]:
     touches, point = _touches(event), _point(event)
     if len(touches) > 1:

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Generator, Mapping
 
 import wgpu
 
 from anamorph.frame import Frame, View
 from anamorph.methods import Session, parse
+from anamorph.methods.protocol import drawing
 from anamorph.scene.camera import Camera
 from anamorph.scene.model import Scene
 from anamorph.viewer.compose import Average
@@ -20,7 +21,9 @@ KEPT_SIZES = 4
 
 
 class MethodPictures:
-    """Pictures of a scene by the method that a specification names.
+    """Pictures of a scene by the method that a specification names, each drawn in the steps that the method has.
+
+    One is drawn at a time; one that is left in the midst shows nothing, and the next is begun anew.
 
     Attributes
     ----------
@@ -35,6 +38,7 @@ class MethodPictures:
         self._scene, self._specification = scene, specification
         self._sessions: dict[Size, Session] = {}
         self._last: Session | None = None
+        self._refined: Session | None = None
         self._average: Average | None = None
         self._shown_from: Camera | None = None
         self._failed: tuple[Camera, Size, str] | None = None
@@ -48,27 +52,31 @@ class MethodPictures:
             return self._average.texture
         return None if self._last is None else self._last.texture
 
-    def draw(self, camera: Camera, size: Size) -> None:
+    def drawing(self, camera: Camera, size: Size) -> Generator[None, None, None]:
         """Draw one picture, and show it in place of all before; where it fails, one of another size stays."""
+        session = yield from self._drawing(camera, size, (0.0, 0.0))
         if self._average is not None:
             self._average.restart()
-        session = self._draw(camera, size, (0.0, 0.0))
         if session is not None or camera != self._shown_from:
             self._last, self._shown_from = session, camera
 
-    def refine(self, camera: Camera, size: Size, shift: tuple[float, float]) -> None:
-        """Draw a picture shifted by a fraction of a pixel, and show the mean of all such since the last `draw`."""
-        session = self._draw(camera, size, shift)
-        if session is None:
+    def refining(self, camera: Camera, size: Size, shift: tuple[float, float]) -> Generator[None, None, None]:
+        """Draw a picture shifted by a fraction of a pixel, for `refine`."""
+        self._refined = None
+        self._refined = yield from self._drawing(camera, size, shift)
+
+    def refine(self) -> None:
+        """Show the mean of all pictures of `refining` since the last `drawing`."""
+        if self._refined is None:
             return
-        self._last = session
+        self._last, size = self._refined, self._refined.texture.size[:2]
         if self._average is None or self._average.texture.size[:2] != size:
             self._average = Average(size)
         self._average.add(self._last.texture)
 
-    def seen(self, camera: Camera, size: Size) -> Frame | None:
+    def seeing(self, camera: Camera, size: Size) -> Generator[None, None, Frame | None]:
         """What each pixel sees, of an unshifted picture; the picture that is shown stays."""
-        session = self._draw(camera, size, (0.0, 0.0))
+        session = yield from self._drawing(camera, size, (0.0, 0.0))
         try:
             return None if session is None else session.frame(seen=True)
         except Exception as error:
@@ -81,14 +89,14 @@ class MethodPictures:
             self._last.wait()
             self.phases = self._last.phases()
 
-    def _draw(self, camera: Camera, size: Size, shift: tuple[float, float]) -> Session | None:
+    def _drawing(self, camera: Camera, size: Size, shift: tuple[float, float]) -> Generator[None, None, Session | None]:
         if self._failed is not None and self._failed[0] == camera and self._failed[1] <= size:
             self.failure = self._failed[2]
             return None
         self.failure = ""
         try:
             session = self._session(camera, size)
-            session.draw(camera, shift)
+            yield from drawing(session, camera, shift)
         except Exception as error:
             self._fail(error, camera, size)
             return None

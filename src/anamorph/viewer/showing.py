@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Generator, Mapping
 from dataclasses import dataclass
 from functools import lru_cache
 from itertools import product
@@ -13,6 +13,7 @@ import numpy as np
 from anamorph.frame import Frame
 from anamorph.scene.camera import Camera
 from anamorph.scene.model import Scene
+from anamorph.steps import retold, timed
 from anamorph.viewer.compose import LayerTexture, Shown
 from anamorph.viewer.fluency import COARSEST, SCALES, Fluency, scaled
 from anamorph.viewer.measured import Measured, error_layer, measure_half, status_layer
@@ -22,6 +23,16 @@ from anamorph.viewer.state import TRUTH, Half, Layer, State, shown_camera
 LONG = 4e3
 """Milliseconds that a picture at rest may be expected to take; on the way to a longer one, coarser ones are drawn, each
 of which can be the last when something moves."""
+
+FRAME = 30.0
+"""Milliseconds of drawing after which the canvas is painted, and the drawing goes on in its next frame."""
+
+STALE = 2e3
+"""Milliseconds for which a picture may have been drawn to be finished though something has moved again: without
+pictures that are a little late there would be none of what goes on moving."""
+
+Steps = Generator[bool, None, None]
+"""Drawing that can be left, and gone on with, whenever it yields: whether a whole step of it is done."""
 
 
 @dataclass(frozen=True)
@@ -58,7 +69,7 @@ class Showing:
     picture : (width, height)
         Of the pictures that were drawn last.
     frame_ms : float
-        What the last frame that moved took; 0 for the first of several.
+        What the last picture that moved took to draw; 0 for the first of several.
     samples_done : int
     finished : bool
         Whether nothing is left to refine.
@@ -69,13 +80,17 @@ class Showing:
         self._pictures: dict[str, MethodPictures] = {}
         self._pictured: _Pictured | None = None
         self._detailed: _Detailed | None = None
-        self._steps: Iterator[None] = iter(())
+        self._steps: Steps = (True for _ in ())
+        self._underway: Steps | None = None
+        self._spent = 0.0
+        self._behind = False
+        self._before: tuple[Shown, ...] = ()
         self._of_pictures: dict[tuple[str, ...], Fluency] = {}
         self._of_layers = Fluency()
         self._long = False
         self._layers = LayerTexture(), LayerTexture()
         self._layered = [False, False]
-        self._moving = False
+        self._first = True
         self.frames: dict[str, Frame] = {}
         self.measured: dict[str, Measured] = {}
         self.at_rest = False
@@ -85,32 +100,60 @@ class Showing:
         self.finished = False
 
     def update(self, scene: Scene, state: State, size: Size) -> bool:
-        """Draw at once what has moved, or begin anew with the rest; tells whether anything has."""
+        """Draw what has moved, or begin anew with the rest; tells whether anything has, or is still being drawn.
+
+        A picture that takes longer than a frame is drawn in several, and shown when it is done.
+        """
         methods = tuple(half.method for half in state.halves)
         pictured = _Pictured(shown_camera(state), methods, size, state.resolution, state.samples)
         detailed = _Detailed(state.halves, state.unit, state.picked is not None)
         moved = scene is not self._scene or pictured != self._pictured
-        if not moved and detailed == self._detailed:
+        changed = moved or detailed != self._detailed
+        if self._underway is not None and (not moved or self._spent < STALE):
+            self._behind = changed
+            self._draw()
+            return True
+        self._behind = False
+        if not changed:
             return False
+        before = self.halves
+        self._steps.close()
+        if self._underway is not None:
+            self._underway.close()
         if scene is not self._scene:
             self._scene, self._pictures = scene, {}
         self._pictured, self._detailed, self.finished = pictured, detailed, False
-        if moved:
-            self._move()
         for number, half in enumerate((state.first, state.second)):
             self._layered[number] &= half.layer != Layer.PICTURE
         self._steps = self._resting()
+        if moved:
+            self.frames, self.measured, self.samples_done, self.at_rest = {}, {}, 0, False
+            self._before, self._underway, self._spent = before, self._moving(), 0.0
+            self._draw()
         return True
 
     def rest(self) -> bool:
-        """Take one step of refinement; tells whether there was one."""
-        self.finished = next(self._steps, self) is self
-        self._moving = False
+        """Take a step of refinement, or as much of it as a frame has time for; tells whether there was one."""
+        if self._underway is not None:
+            self._draw()
+            return True
+        self.finished = not _go_on(self._steps)
+        self._first = True
         return not self.finished
 
     @property
+    def moving(self) -> bool:
+        """Whether a picture of what has moved is still to be drawn."""
+        return self._underway is not None or self._behind
+
+    @property
     def halves(self) -> tuple[Shown, ...]:
-        """What there is to show: nothing of a half whose method fails."""
+        """What there is to show, which is what was there before while something else is drawn.
+
+        Nothing of a half whose method fails.
+        """
+        if self._underway is not None:
+            return self._before
         return tuple(
             Shown(self._of(method).texture, self._layers[number].texture if self._layered[number] else None)
             for number, method in enumerate(self._pictured.methods if self._pictured else ())
@@ -135,41 +178,47 @@ class Showing:
             self._pictures[method] = MethodPictures(self._scene, method)
         return self._pictures[method]
 
-    def _move(self) -> None:
+    def _draw(self) -> None:
+        """Go on with the picture of what has moved, for as long as a frame has time."""
+        assert self._underway is not None
+        began = perf_counter()
+        if not _go_on(self._underway):
+            self._underway, self._before = None, ()
+        self._spent += 1e3 * (perf_counter() - began)
+
+    def _moving(self) -> Steps:
+        """A picture of what has moved, as coarse as it must be, and its layers."""
         assert self._pictured is not None and self._detailed is not None
-        self.frames, self.measured, self.samples_done, self.at_rest = {}, {}, 0, False
         # Nobody knows how long methods take that have drawn nothing yet: they begin with the coarsest picture.
         names = tuple(method.partition(":")[0] for method in self._pictured.methods)
         fluency = self._of_pictures.get(names, COARSEST)
-        spent = self._draw(self._pictured.resolution or fluency.scale)
-        self._long = spent > LONG * (self._pictured.resolution or fluency.scale) ** 2
+        scale = self._pictured.resolution or fluency.scale
+        _, seconds = yield from timed(self._drawing(scaled(self._pictured.size, scale)))
+        spent = 1e3 * seconds
+        self._long = spent > LONG * scale**2
         if not self._pictured.resolution:
             self._of_pictures[names] = fluency.after(spent)
         if any(half.layer != Layer.PICTURE for half in self._detailed.halves):
-            began = perf_counter()
-            for _ in self._layering(scaled(self._pictured.size, self._of_layers.scale)):
-                pass
-            layered = 1e3 * (perf_counter() - began)
-            self._of_layers = self._of_layers.after(layered)
+            layers = self._layering(scaled(self._pictured.size, self._of_layers.scale))
+            _, seconds = yield from timed(retold(layers, _within))
+            self._of_layers = self._of_layers.after(1e3 * seconds)
             self.frames, self.measured = {}, {}
-            spent += layered
+            spent += 1e3 * seconds
         # The first of several has opened what the others find open.
-        self.frame_ms = spent if self._moving else 0.0
-        self._moving = True
+        self.frame_ms = 0.0 if self._first else spent
+        self._first = False
 
-    def _draw(self, scale: float) -> float:
-        """Draw the pictures at a scale; the milliseconds that it took."""
+    def _drawing(self, size: Size) -> Steps:
+        """Draw the pictures at a size."""
         assert self._pictured is not None
-        began = perf_counter()
-        self.picture = scaled(self._pictured.size, scale)
         methods = dict.fromkeys(self._pictured.methods)
         for method in methods:
-            self._of(method).draw(self._pictured.camera, self.picture)
+            yield from retold(self._of(method).drawing(self._pictured.camera, size), _within)
         for method in methods:
             self._of(method).wait()
-        return 1e3 * (perf_counter() - began)
+        self.picture = size
 
-    def _resting(self) -> Iterator[None]:
+    def _resting(self) -> Steps:
         """Everything at full size, in steps none of which takes longer than a frame by a method or the truth."""
         assert self._pictured is not None
         camera, size = self._pictured.camera, self._pictured.size
@@ -178,19 +227,22 @@ class Showing:
         for step in (*between, size):
             if self.picture[0] < step[0]:
                 for method in methods:
-                    self._of(method).draw(camera, step)
-                    yield
+                    yield from retold(self._of(method).drawing(camera, step), _within)
+                    yield True
                 self.picture = step
         self.at_rest = True
         yield from self._layering(size)
         # Those are in the mean already that were drawn before something was asked for that moves nothing.
         for shift in shifts(self._pictured.samples)[self.samples_done :]:
             for method in methods:
-                self._of(method).refine(camera, size, shift)
+                yield from retold(self._of(method).refining(camera, size, shift), _within)
+            # None counts for one half and not for the other, whenever this is left.
+            for method in methods:
+                self._of(method).refine()
             self.samples_done += 1
-            yield
+            yield True
 
-    def _layering(self, size: Size) -> Iterator[None]:
+    def _layering(self, size: Size) -> Steps:
         """What each pixel sees, where layers or the picked pixel need it, and the layers."""
         assert self._pictured is not None and self._detailed is not None
         halves, picked = self._detailed.halves, self._detailed.picked
@@ -198,14 +250,14 @@ class Showing:
         compared = [half.method for half in halves if half.layer == Layer.ERROR or picked]
         for method in dict.fromkeys([*seen, *([TRUTH] if compared else [])]):
             if method not in self.frames:
-                frame = self._of(method).seen(self._pictured.camera, size)
+                frame = yield from retold(self._of(method).seeing(self._pictured.camera, size), _within)
                 if frame is not None:
                     self.frames[method] = frame
-                yield
+                yield True
         for method in dict.fromkeys(compared):
             if method not in self.measured and {method, TRUTH} <= self.frames.keys():
                 self.measured[method] = measure_half(self.frames[TRUTH], self.frames[method])
-                yield
+                yield True
         for number, half in enumerate(halves):
             colors = None
             if half.layer == Layer.ERROR and half.method in self.measured:
@@ -215,7 +267,21 @@ class Showing:
             self._layered[number] = colors is not None
             if colors is not None:
                 self._layers[number].write(colors)
-                yield
+                yield True
+
+
+def _go_on(steps: Steps) -> bool:
+    """Take steps until a whole one is done, or a frame has no time for more; tells whether there were any."""
+    began = perf_counter()
+    while (whole := next(steps, None)) is False:
+        if 1e3 * (perf_counter() - began) >= FRAME:
+            return True
+    return whole is not None
+
+
+def _within(part: object) -> bool:
+    """Of a part of a step: that the whole is not done."""
+    return False
 
 
 @lru_cache

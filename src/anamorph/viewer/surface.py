@@ -22,6 +22,9 @@ from anamorph.viewer.panel.theme import set_theme
 Area = tuple[int, int, int, int]
 """Left, top, width and height, in pixels."""
 
+MOST_EVENTS = 10_000
+"""That imgui keeps: of a text that is pasted, each letter is one."""
+
 
 class Painter:
     """Draws halves, and marks over them, into textures of one `form`, which has no sRGB: the shaders encode colours."""
@@ -114,9 +117,20 @@ class Surface:
 
     def take(self, event: dict[str, Any]) -> None:
         """Have imgui see an event of the canvas."""
+        io = self.imgui.backend.io
+        if self.imgui.imgui_context.input_events_queue.size() > MOST_EVENTS:
+            # Of presses it takes in one a frame. Who is so far ahead of what is shown starts anew, with nothing held.
+            io.clear_events_queue()
+            io.clear_input_keys()
+            io.clear_input_mouse()
+        if "key" in event and not _known(event["key"]):
+            return
+        if event["event_type"] in ("pointer_down", "pointer_move"):
+            sources = imgui.MouseSource
+            io.add_mouse_source_event(sources.touch_screen if event.get("touches") else sources.mouse)
         if event["event_type"] in ("pointer_down", "pointer_up"):
             # A press comes before the move that led to it, and imgui takes its place from moves alone.
-            self.imgui.backend.io.add_mouse_pos_event(event["x"], event["y"])
+            io.add_mouse_pos_event(event["x"], event["y"])
         for handler in self._handlers.by_type.get(event["event_type"], ()):
             handler(dict(event))
 
@@ -161,3 +175,8 @@ class Surface:
             painter.lines.upload(self._marks)
         painter.draw(target, (0, 0, *size), halves, divider, clip, ratio)
         return read_texture(target)[..., :3]
+
+
+def _known(key: str) -> bool:
+    """Whether imgui's renderer can take a key; at others, such as "AltGraph", it fails."""
+    return len(key.lower()) == 1 or key in ImguiRenderer.KEY_MAP

@@ -85,6 +85,6 @@ def _at_once(save: Callable[[], str]) -> Saving:
 
 def _once_refined(shot: Shot, save: Callable[[], str]) -> Saving:
     """Work of a single step, when the picture is as good as it gets."""
-    while not shot.showing.finished:
+    while shot.showing.rest():
         yield Progress("refining the picture", shot.showing.samples_done, max(shot.state.samples**2, 1))
     return save()

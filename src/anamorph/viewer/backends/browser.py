@@ -20,11 +20,9 @@ from rendercanvas.http import HttpRenderCanvas, asgi, loop
 from anamorph.errors import AnamorphError
 from anamorph.viewer.application import Viewer
 from anamorph.viewer.backends.gate import Content, Gate
+from anamorph.viewer.backends.stream import LONGEST_MESSAGE, bounded
 from anamorph.viewer.fluency import MOST_PICTURES
 from anamorph.viewer.starting import Start
-
-LONGEST_MESSAGE = 65536
-"""From the browser, in bytes: an event is a few hundred."""
 
 SIGNALS = (signal.SIGINT, signal.SIGTERM)
 
@@ -53,7 +51,8 @@ def serve(beginning: Start, port: int, size: tuple[int, int], tell: Callable[[st
         canvas = HttpRenderCanvas(max_fps=MOST_PICTURES, vsync=False)
         canvas._size_info.set_physical_size(*size, 1.0)
         viewer = Viewer(canvas, beginning, loop.call_later)
-        gate = Gate(_drawing, listener.getsockname()[1], _contents(viewer))
+        stream = bounded(_drawing, lambda: viewer.frames)
+        gate = Gate(stream, listener.getsockname()[1], _contents(viewer))
         config = uvicorn.Config(
             gate,
             http="h11",

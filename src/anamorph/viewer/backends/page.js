@@ -7,6 +7,8 @@ const status = document.getElementById('status')
 const wrapper = document.getElementById('canvas')
 const SLOWEST_RETRY = 4000 // milliseconds
 
+const CONFIRMATION = '_framefeedback'
+
 let socket = null
 let retry = 250
 let active = null
@@ -30,6 +32,8 @@ class View extends window.BaseRenderView {
   }
 
   onEvent (event) {
+    // What a tab that watches would say of its pointer would be heard by nobody.
+    if (active !== true && event.type !== CONFIRMATION) { return }
     if (socket !== null && socket.readyState === WebSocket.OPEN) {
       socket.send(JSON.stringify(withFingers(event, this.fingers)))
     }
@@ -57,7 +61,7 @@ class View extends window.BaseRenderView {
     const before = this.viewElement.src
     this.viewElement.src = URL.createObjectURL(new Blob([frame.data], { type: frame.mimetype }))
     if (before.startsWith('blob:')) { URL.revokeObjectURL(before) }
-    this.onEvent({ type: '_framefeedback', index: frame.index, timestamp: frame.timestamp, localtime: Date.now() / 1000 })
+    this.onEvent({ type: CONFIRMATION, index: frame.index, timestamp: frame.timestamp, localtime: Date.now() / 1000 })
   }
 
   // Have the observer tell the size anew: whoever draws knows only that of the tab which has controlled so far.

@@ -10,6 +10,7 @@ from imgui_bundle import imgui
 
 from anamorph.viewer.panel import theme
 from anamorph.viewer.panel.sheet import Sheet, field_width, sign, text_width, tip, wrapped
+from anamorph.viewer.panel.touch import typing_by_double_tap
 from anamorph.viewer.panel.wording import decimals, number_text
 
 MARK, TICK = 2.0, 3.0
@@ -40,7 +41,7 @@ def number(
     logarithmic: bool = False,
     shown: Callable[[float], str] | None = None,
 ) -> float:
-    """A number between limits, dragged or typed after a press with Ctrl; its new value, a whole number of steps.
+    """A number between limits, dragged or typed; its new value, a whole number of steps.
 
     Parameters
     ----------
@@ -77,15 +78,17 @@ def number(
     imgui.push_style_color(imgui.Col_.slider_grab, theme.CLEAR)
     imgui.push_style_color(imgui.Col_.slider_grab_active, theme.CLEAR)
     imgui.push_style_color(imgui.Col_.text, theme.TEXT if typed else theme.CLEAR)
-    changed, new = imgui.slider_float(f"##{key}", value, *ends, f"%.{places}f", flags)
+    with typing_by_double_tap():
+        changed, new = imgui.slider_float(f"##{key}", value, *ends, f"%.{places}f", flags)
     imgui.pop_style_color(3)
     sheet.mark(key)
+    sheet.drag(key)
     if not _typed_into(key):
         nought = min(max(0.0, ends[0]), ends[1])
         _fill(_share(nought, *ends, logarithmic), _share(value, *ends, logarithmic))
         _words(label, said)
     if not imgui.is_item_active():
-        tip("\n".join(filter(None, (summary, _between(low, high, places, unit), "Ctrl-click to type."))))
+        tip("\n".join(filter(None, (summary, _between(low, high, places, unit), "Ctrl-click or double tap to type."))))
     if changed and math.isfinite(new):
         # imgui counts in float32; what is typed is not rounded to steps.
         value = min(max(round(new if typed else round(new / step) * step, 6), low), high)
@@ -102,6 +105,7 @@ def text(sheet: Sheet, key: str, label: str, value: str, summary: str = "") -> s
     imgui.set_next_item_width(field_width())
     _, value = imgui.input_text(f"##{key}", value, imgui.InputTextFlags_.enter_returns_true)
     sheet.mark(key)
+    sheet.drag(key)
     tip(summary)
     return value
 

@@ -27,6 +27,7 @@ from anamorph.viewer.panel.report import (
 )
 from anamorph.viewer.panel.scene import eye_section, scene_section
 from anamorph.viewer.panel.sheet import Sheet, available, button, sign, text_width, to_column
+from anamorph.viewer.panel.touch import scroll_by_finger
 from anamorph.viewer.panel.views import views_section
 from anamorph.viewer.panel.wording import size_text
 from anamorph.viewer.state import EyeSide, State
@@ -123,6 +124,7 @@ def _panel(sheet: Sheet, state: State, facts: Facts) -> State:
     imgui.begin_child(body, (available() + room, 0.0), 0, imgui.WindowFlags_.always_vertical_scrollbar)
     sheet.window("panel/body")
     state = _sections(sheet, state, facts) if state.opening is None else opening_page(sheet, state, facts)
+    scroll_by_finger(sheet)
     imgui.end_child()
     imgui.end()
     return state

@@ -27,11 +27,17 @@ class Sheet:
     opens: list[str] = field(default_factory=list)
     rectangles: dict[str, Rectangle] = field(default_factory=dict)
     covered: list[Rectangle] = field(default_factory=list)
+    dragged: list[str] = field(default_factory=list)
 
     def mark(self, key: str) -> None:
         """Note the last item's rectangle."""
         low, high = imgui.get_item_rect_min(), imgui.get_item_rect_max()
         self.rectangles[key] = (low.x, low.y, high.x, high.y)
+
+    def drag(self, key: str) -> None:
+        """Note whether the last item, which is one to drag on, is held."""
+        if imgui.is_item_active():
+            self.dragged.append(key)
 
     def window(self, key: str) -> None:
         """Note the current window's rectangle."""
@@ -190,11 +196,12 @@ def checkbox(sheet: Sheet, key: str, text: str, value: bool, summary: str = "") 
     imgui.align_text_to_frame_padding()
     wrapped(text)
     imgui.end_group()
+    start, high = imgui.get_item_rect_min(), imgui.get_item_rect_max()
     # The words belong to the box: pressing them ticks it.
-    if imgui.is_item_clicked():
+    imgui.set_cursor_screen_pos(start)
+    if imgui.invisible_button(f"##{key}/words", (high.x - start.x, high.y - start.y)):
         value = not value
     tip(summary)
-    high = imgui.get_item_rect_max()
     sheet.rectangles[key] = (low.x, low.y, high.x, high.y)
     return value
 

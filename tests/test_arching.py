@@ -87,6 +87,9 @@ def test_a_paraboloid_is_added_exactly(name, curvature):
             tangent = np.column_stack([dx, dy, dz - curvature * (x * dx + y * dy)]) @ frame.axes
             size = np.abs(tangent).max()
             np.testing.assert_allclose(changed.derivative(uv, *orders), tangent, rtol=0.0, atol=2e-12 * size)
+        # A face whose outside is the other side keeps it.
+        other = arched_surface(replace(surface, sign=-1.0), frame, curvature)
+        np.testing.assert_array_equal(other.normal(uv), -changed.normal(uv))
 
 
 @settings(max_examples=25)

@@ -55,7 +55,10 @@ def test_each_specular_part_gets_the_controls_that_mean_something_of_it():
     assert keys(SCENES["room"]) == expected("teapot", "reflectance")
     toroids = [expected(part, "curvature", "cross_curvature", "reflectance") for part in ("saddle", "cylinder")]
     assert keys(SCENES["saddle"]) == [*toroids[0], *toroids[1]]
-    ball, flat = expected("mirror-ball", "reflectance"), expected("mirror-flat", "curvature", "reflectance")
+    ball, flat = (
+        expected("mirror-ball", "curvature", "reflectance"),
+        expected("mirror-flat", "curvature", "reflectance"),
+    )
     assert keys(SCENES["spheres"]) == [*ball, *flat]
     assert scene_controls(replace(scene_with(), meshes=scene_with().meshes[:2])) == ()
 
@@ -65,8 +68,9 @@ def test_controls_have_units_limits_and_a_default_within(name):
     for control in scene_controls(SCENES[name]):
         assert control.low <= control.default <= control.high and control.low < control.high
         assert 0.0 < control.step <= (control.high - control.low) / 100.0
-        assert control.key == f"{control.group}/{control.label.replace(' ', '_')}"
-        what = control.key.rpartition("/")[2]
+        group, _, what = control.key.rpartition("/")
+        assert group == control.group
+        assert control.label == ("back vertex power" if what == "power" else what.replace("_", " "))
         units = dict.fromkeys(POSE[:3], "°") | dict.fromkeys(POSE[3:], "mm") | {"power": "D"}
         assert control.unit == units.get(what, "1/m" if "curvature" in what else "")
         assert control.summary and "\n" not in control.summary

@@ -47,6 +47,7 @@ SURFACES = [
     Toroid(PLACE, 0.8, -0.5, AXES),
     EvenAsphere(PLACE, 0.9, -0.6, (0.3,), AXES),
 ]
+BALL = next(mesh for mesh in builtin.make("spheres").meshes if mesh.name == "mirror-ball")
 KINDS = [(surface, flip) for surface in SURFACES for flip in (False, True)]
 
 
@@ -138,9 +139,16 @@ def test_axes_are_those_of_the_part_as_it_was_however_it_is_bent():
     mesh = on(SURFACES[2])
     turn, move, middle = (10.0, 5.0, 0.0), (0.1, 0.0, 0.2), len(mesh.positions) // 2
     rigid, both = edit((mesh,), Edit(turn, move))[0], edit((mesh,), Edit(turn, move, 0.2, 1.0))[0]
-    np.testing.assert_allclose(both.positions[middle], rigid.positions[middle], atol=3e-7)
-    np.testing.assert_allclose(both.normals[middle], rigid.normals[middle], atol=1e-6)
+    normal = rigid.normals[middle].astype(float)
+    # The middle comes forward as the mirror is bent, along its own axis.
+    away = both.positions[middle].astype(float) - rigid.positions[middle]
+    np.testing.assert_allclose(away, (away @ normal) * normal, atol=3e-7)
+    np.testing.assert_allclose(both.normals[middle], normal, atol=1e-6)
     assert np.abs(both.positions - rigid.positions).max() > 1e-3
+
+
+def rearmost(mesh: Mesh, outward: np.ndarray) -> float:
+    return float((mesh.positions.astype(float) @ outward).min())
 
 
 curvatures = st.one_of(st.sampled_from([0.0, 1e-12, -1e-7, 1e-5, -1.0]), st.floats(-4.0, 4.0))
@@ -148,7 +156,7 @@ curvatures = st.one_of(st.sampled_from([0.0, 1e-12, -1e-7, 1e-5, -1.0]), st.floa
 
 @settings(max_examples=60)
 @given(st.sampled_from(KINDS), curvatures, st.one_of(st.none(), curvatures))
-def test_bending_keeps_the_outline_and_the_middle_and_gives_the_curvature(kind, curvature, cross):
+def test_bending_keeps_the_outline_and_what_lies_rearmost_and_gives_the_curvature(kind, curvature, cross):
     mesh = on(kind[0], flip=kind[1])
     cross = cross if isinstance(mesh.surface, Toroid) else None
     changed = bent(mesh, curvature, cross)
@@ -156,8 +164,8 @@ def test_bending_keeps_the_outline_and_the_middle_and_gives_the_curvature(kind, 
     # On a flat mirror the vertices that were there come first.
     first = slice(len(mesh.positions))
     middle = len(mesh.positions) // 2
-    np.testing.assert_allclose(changed.positions[middle], mesh.positions[middle], atol=3e-7)
-    normal = mesh.normals[middle].astype(float)
+    normal = mesh.surface.normal(np.zeros((1, 2)))[0] * (-1.0 if kind[1] else 1.0)
+    assert rearmost(changed, normal) == pytest.approx(rearmost(mesh, normal), abs=4e-7)
     moved = changed.positions[first].astype(float) - mesh.positions
     np.testing.assert_allclose(moved - np.outer(moved @ normal, normal), 0.0, atol=4e-7)
     np.testing.assert_allclose(changed.normals[middle], normal, atol=1e-6)
@@ -183,22 +191,66 @@ def test_bending_to_the_same_curvature_is_the_identity_and_near_it_is_near(kind)
 
 
 @pytest.mark.parametrize("surface", SURFACES[2:], ids=lambda surface: type(surface).__name__)
-def test_a_mirror_cut_off_its_axis_keeps_its_own_middle(surface):
+def test_a_mirror_cut_off_its_axis_keeps_its_own_rearmost_vertex(surface):
     mesh = on(surface)
     uv = np.add(mesh.parameters, (0.2, 0.15))
     mesh = replace(mesh, positions=surface.position(uv), normals=surface.normal(uv), parameters=uv)
-    changed, middle = bent(mesh, 0.1), len(uv) // 2
+    changed = bent(mesh, 0.1)
     exact(changed)
-    np.testing.assert_allclose(changed.positions[middle], mesh.positions[middle], atol=1e-6)
+    assert rearmost(changed, surface.axes[2]) == pytest.approx(rearmost(mesh, surface.axes[2]), abs=1e-6)
     assert np.abs(changed.positions - mesh.positions).max() > 1e-3
 
 
 def test_a_sphere_of_another_radius_is_that_sphere():
-    changed = bent(spherical_mirror(1.4), -0.5)
+    mesh = spherical_mirror(1.4)
+    changed = bent(mesh, -0.5)
     assert isinstance(changed.surface, Sphere) and changed.surface.radius == pytest.approx(2.0, rel=1e-12)
-    # Concave, it faces its centre.
-    np.testing.assert_allclose(changed.surface.center, [0.0, 0.5, 2.0], atol=1e-6)
+    # Concave, it faces its centre, and its middle is as deep as its corners were.
+    np.testing.assert_allclose(changed.surface.center, [0.0, 0.5, 2.0 + mesh.positions[0, 2]], atol=1e-6)
     assert isinstance(bent(changed, 0.0).surface, Plane)
+
+
+balls = st.one_of(st.sampled_from([0.5, 2.0, 1.0]), st.floats(0.05, 20.0))
+
+
+@settings(max_examples=20)
+@given(balls, st.booleans())
+def test_a_ball_swells_about_its_centre_seen_from_outside_and_from_inside(factor, inside):
+    ball = BALL
+    if inside:
+        ball = replace(ball, normals=-ball.normals, faces=np.ascontiguousarray(ball.faces[:, ::-1]))
+    (own,) = bend_of(ball).curvatures
+    assert own == pytest.approx((-1.0 if inside else 1.0) / 0.6)
+    assert bend_of(ball).limits == pytest.approx(sorted((own / 2.0, own * 2.0)))
+    changed = bent(ball, own * factor)
+    assert changed.surface.center is ball.surface.center and changed.normals is ball.normals
+    np.testing.assert_allclose(np.linalg.norm(changed.positions - ball.surface.center, axis=1), 0.6 / factor, rtol=1e-6)
+    np.testing.assert_allclose(changed.positions, changed.surface.position(changed.parameters), atol=1e-6)
+    assert bend_of(changed).curvatures == pytest.approx((own * factor,), rel=1e-12)
+    with pytest.raises(AnamorphError, match=rf"it is a ball; give a {'negative' if inside else 'positive'} number"):
+        bent(ball, -own)
+
+
+@pytest.mark.parametrize(
+    ("name", "part"),
+    [
+        ("flat-mirror", "mirror"),
+        ("facing-mirrors", "mirror-far"),
+        ("saddle", "cylinder"),
+        ("curvature-series", "mirror-5"),
+    ],
+)
+def test_a_framed_mirror_stays_seen_over_all_of_its_curvatures_and_as_it_swivels(name, part):
+    scene = builtin.make(name)
+    number = [mesh.name for mesh in scene.meshes].index(part)
+    limits = bend_of(scene.meshes[number]).limits
+    before = (drawn(scene, "raytrace", (80, 60)).specular == number + 1).sum()
+    edits = [Edit(curvature=limit * share) for limit in limits for share in (0.4, 1.0)]
+    for by in (*edits, Edit((5.0, 0.0, 0.0)), Edit((-5.0, 0.0, 0.0))):
+        changed = list(scene.meshes)
+        changed[number] = edit((changed[number],), by)[0]
+        seen = (drawn(replace(scene, meshes=tuple(changed)), "raytrace", (80, 60)).specular == number + 1).sum()
+        assert seen > 0.85 * before
 
 
 def test_a_flat_mirror_of_two_triangles_gets_the_vertices_that_its_bending_takes():
@@ -215,8 +267,9 @@ def test_a_flat_mirror_of_two_triangles_gets_the_vertices_that_its_bending_takes
 )
 def test_a_mirror_can_be_bent_as_far_as_its_limits_say(mesh):
     bend = bend_of(mesh)
-    assert max(map(abs, bend.curvatures)) <= bend.limit
-    for limit in (bend.limit, -bend.limit):
+    low, high = bend.limits
+    assert low == -high and low <= min(bend.curvatures) and max(bend.curvatures) <= high
+    for limit in bend.limits:
         exact(bent(mesh, limit, limit if len(bend.curvatures) > 1 else None))
 
 
@@ -253,14 +306,13 @@ def patch() -> Mesh:
     return replace(on(surface, 0.0, 1), positions=np.eye(3, dtype=np.float32)[[0, 1, 2, 0]])
 
 
-BALL = next(mesh for mesh in builtin.make("spheres").meshes if mesh.name == "mirror-ball")
-
-
 @pytest.mark.parametrize(
     ("meshes", "by", "words"),
     [
         ((patch(),), Edit(curvature=1.0), "cannot be bent"),
-        ((BALL,), Edit(curvature=1.0), "cannot be bent"),
+        ((BALL,), Edit(curvature=0.0), "it is a ball; give a positive number"),
+        ((BALL,), Edit(added_curvature=1.0), "cannot be bent further"),
+        (surroundings()[:1], Edit(added_curvature=1.0), "is no mirror"),
         ((replace(spherical_mirror(), surface=None),), Edit(curvature=1.0), "cannot be bent"),
         ((spherical_mirror(), replace(spherical_mirror(), name="mirror/2")), Edit(curvature=1.0), "is 2 mirrors"),
         (surroundings()[:1], Edit(curvature=1.0), "is 0 mirrors"),

@@ -206,6 +206,23 @@ def test_a_value_can_be_typed_finer_than_a_step_but_not_beyond_the_limits(opened
     assert stage.state.values == ({} if value is None else {"mirror/swivel": value})
 
 
+@pytest.mark.parametrize(("text", "value"), [("46", 45.0), ("-90", -45.0)])
+def test_a_number_that_is_typed_beyond_the_limits_says_so_until_another_is_set(opened, text, value) -> None:
+    stage = opened()
+    typed(stage, "mirror/swivel", text)
+    assert stage.state.values == {"mirror/swivel": value}
+    assert "mirror/swivel/limit" in stage.drawn.rectangles and "mirror/tilt/limit" not in stage.drawn.rectangles
+    typed(stage, "mirror/swivel", "45")
+    assert stage.state.values == {"mirror/swivel": 45.0}
+    assert "mirror/swivel/limit" not in stage.drawn.rectangles
+    typed(stage, "mirror/swivel", text)
+    stage.drag("mirror/swivel", 0.5, 0.6)
+    assert "mirror/swivel/limit" not in stage.drawn.rectangles
+    typed(stage, "mirror/swivel", text)
+    assert not pressed(stage, "mirror/swivel/reset").values
+    assert "mirror/swivel/limit" not in stage.drawn.rectangles
+
+
 def test_an_option_without_an_upper_limit_takes_any_typed_value(opened) -> None:
     stage = opened()
     pressed(stage, "first/options")

@@ -1,4 +1,4 @@
-"""Mirrors of another curvature: the middle and the outline stay, the exact surface bends."""
+"""Mirrors of another curvature: the outline stays, and what lies rearmost; the exact surface bends."""
 
 from __future__ import annotations
 
@@ -27,6 +27,9 @@ LEAST_FACING = 0.05
 LEAST_TRIANGLES = 128
 """What a flat mirror is divided into before it is bent."""
 
+SWELLING = 2.0
+"""A control shrinks and swells a ball by this factor."""
+
 
 @dataclass(frozen=True)
 class Bend:
@@ -36,12 +39,12 @@ class Bend:
     ----------
     curvatures : tuple of float
         One over the radius, 1/m, positive where the mirror bulges outward; of a toroid those of both sections.
-    limit : float
-        What either may sensibly be bent to, to both sides, 1/m.
+    limits : (low, high)
+        What either may sensibly be bent to, 1/m.
     """
 
     curvatures: tuple[float, ...]
-    limit: float
+    limits: tuple[float, float]
 
 
 def bend_of(mesh: Mesh) -> Bend | None:
@@ -49,6 +52,8 @@ def bend_of(mesh: Mesh) -> Bend | None:
     curvatures = own_curvatures(mesh.surface)
     if not isinstance(mesh.material, Mirror) or mesh.parameters is None or not curvatures:
         return None
+    side = facing(mesh)
+    signed = tuple(side * curvature for curvature in curvatures)
     if isinstance(mesh.surface, Toroid | EvenAsphere):
         reach = float(np.linalg.norm(mesh.parameters, axis=1).max())
         if isinstance(mesh.surface, EvenAsphere):
@@ -56,19 +61,21 @@ def bend_of(mesh: Mesh) -> Bend | None:
     else:
         middle = _middle(mesh)
         if middle is None:
-            return None
+            low, high = sorted((signed[0] / SWELLING, signed[0] * SWELLING))
+            return Bend(signed, (low, high)) if signed[0] else None
         reach = float(np.linalg.norm(_across(mesh, *middle), axis=1).max())
-    side = facing(mesh)
-    signed = tuple(side * curvature for curvature in curvatures)
     most = max(map(abs, signed))
-    return Bend(signed, max(min(max(COMFORTABLE / reach, 1.25 * most), STEEPEST / reach), most))
+    limit = max(min(max(COMFORTABLE / reach, 1.25 * most), STEEPEST / reach), most)
+    return Bend(signed, (-limit, limit))
 
 
 def bent(mesh: Mesh, curvature: float | None = None, cross_curvature: float | None = None) -> Mesh:
     """A mirror bent to another curvature, with its exact surface.
 
-    The middle stays. Each vertex stays where it was as seen along the normal there, and of a toroid or an asphere,
-    which keep their other numbers, along their axis. A flat mirror becomes a part of a sphere, with more vertices.
+    It keeps its outline: each vertex stays where it was as seen along the middle's normal, and of a toroid or an
+    asphere, which keep their other numbers, along their axis. As a blank before a board it sinks nowhere behind what
+    it hangs in: its rearmost vertex stays as deep as it was, on the rim of a convex mirror, in the middle of a hollow
+    one. A flat mirror becomes a part of a sphere, with more vertices. A ball swells or shrinks about its centre.
 
     Parameters
     ----------
@@ -96,6 +103,8 @@ def bent(mesh: Mesh, curvature: float | None = None, cross_curvature: float | No
     if np.allclose(wanted, bend.curvatures, rtol=1e-12, atol=0.0):
         return mesh
     try:
+        if isinstance(mesh.surface, Sphere) and _middle(mesh) is None:
+            return _swollen(mesh, wanted[0])
         return _rounded(mesh, wanted[0]) if isinstance(mesh.surface, Plane | Sphere) else _sagged(mesh, wanted)
     except AnamorphError as error:
         raise AnamorphError(
@@ -120,19 +129,23 @@ def own_curvatures(surface: Surface | None) -> tuple[float, ...]:
 def recurved(surface: Toroid | EvenAsphere, curvatures: tuple[float, ...], point: np.ndarray) -> Toroid | EvenAsphere:
     """A toroid or an asphere with other `own_curvatures`, that goes through the same point below `point` (3,)."""
     at = surface.parameters(point[None])
-    other: Toroid | EvenAsphere
-    if isinstance(surface, Toroid):
-        other = replace(surface, base_curvature=curvatures[0], cross_curvature=curvatures[1])
-    else:
-        other = replace(surface, curvature=curvatures[0])
-    rise = other.sag(at)[0] - surface.sag(at)[0]
-    return replace(other, apex=surface.apex + rise * np.asarray(surface.axes, float)[2])
+    other = _with_curvatures(surface, curvatures)
+    higher = other.sag(at)[0] - surface.sag(at)[0]
+    return replace(other, apex=surface.apex + higher * np.asarray(surface.axes, float)[2])
 
 
 def facing(mesh: Mesh) -> float:
     """1 where the exact surface's own normals point out of the mesh, -1 where they point into it."""
     assert mesh.surface is not None and mesh.parameters is not None
     return 1.0 if np.sum(mesh.surface.normal(mesh.parameters) * mesh.normals) > 0.0 else -1.0
+
+
+def rise(before: np.ndarray, after: np.ndarray) -> float:
+    """How far a bent mirror is lifted, metres, so that none of it is further back than its rearmost vertex was.
+
+    Both (V,): the vertices' heights along its outward axis.
+    """
+    return float(before.min() - after.min())
 
 
 def on_surface(mesh: Mesh, surface: Surface, parameters: np.ndarray, toward: np.ndarray) -> Mesh:
@@ -179,18 +192,39 @@ def _rounded(mesh: Mesh, curvature: float) -> Mesh:
         raise AnamorphError(
             f"its outline is out of reach; give a number from {-STEEPEST / reach:.3g} to {STEEPEST / reach:.3g}"
         )
-    surface: LensSurface = round_surface(apex, axes, curvature)
     square = np.sum(across**2, axis=1)
     sag = curvature * square / (1.0 + np.sqrt(1.0 - curvature**2 * square))
+    assert mesh.surface is not None and mesh.parameters is not None
+    before = (mesh.surface.position(mesh.parameters) - apex) @ axes[2]
+    apex = apex + rise(before, -sag) * axes[2]
+    surface: LensSurface = round_surface(apex, axes, curvature)
     points = apex + np.column_stack([across, -sag]) @ axes
     return on_surface(mesh, surface, surface.parameters(points), axes[2])
 
 
 def _sagged(mesh: Mesh, curvatures: tuple[float, ...]) -> Mesh:
-    """A mesh of a toroid or an asphere with other curvatures, its middle where it was."""
+    """A mesh of a toroid or an asphere with other curvatures."""
     surface, parameters = mesh.surface, mesh.parameters
     assert isinstance(surface, Toroid | EvenAsphere) and parameters is not None
     side = facing(mesh)
-    middle = surface.position((parameters.min(axis=0) + parameters.max(axis=0))[None] / 2.0)[0]
-    other = recurved(surface, tuple(side * curvature for curvature in curvatures), middle)
-    return on_surface(mesh, other, parameters, side * np.asarray(surface.axes, float)[2])
+    other = _with_curvatures(surface, tuple(side * curvature for curvature in curvatures))
+    outward = side * np.asarray(surface.axes, float)[2]
+    before, after = (-side * each.sag(parameters)[0] for each in (surface, other))
+    apex = surface.apex + rise(before, after) * outward
+    return on_surface(mesh, replace(other, apex=apex), parameters, outward)
+
+
+def _with_curvatures(surface: Toroid | EvenAsphere, curvatures: tuple[float, ...]) -> Toroid | EvenAsphere:
+    if isinstance(surface, Toroid):
+        return replace(surface, base_curvature=curvatures[0], cross_curvature=curvatures[1])
+    return replace(surface, curvature=curvatures[0])
+
+
+def _swollen(mesh: Mesh, curvature: float) -> Mesh:
+    """A ball of another radius about the same centre, or a piece of one that looks more than half around."""
+    assert isinstance(mesh.surface, Sphere) and mesh.parameters is not None
+    side = facing(mesh)
+    if curvature * side <= 0.0:
+        raise AnamorphError(f"it is a ball; give a {'positive' if side > 0.0 else 'negative'} number")
+    surface = replace(mesh.surface, radius=1.0 / abs(curvature))
+    return replace(mesh, positions=surface.position(mesh.parameters).astype(np.float32), surface=surface)

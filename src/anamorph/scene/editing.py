@@ -11,6 +11,7 @@ from dataclasses import dataclass, fields, replace
 import numpy as np
 
 from anamorph.errors import AnamorphError
+from anamorph.scene.arching import arched
 from anamorph.scene.bending import bent
 from anamorph.scene.camera import Vector
 from anamorph.scene.grinding import ground
@@ -40,6 +41,8 @@ class Edit:
         Of a mirror, 1/m, positive where it bulges outward: see `bent`.
     cross_curvature : float, optional
         Of a toroid, along its arc, 1/m.
+    added_curvature : float, optional
+        Of a mirror of patches or CAD faces, added to what they have, 1/m: see `arched`.
     reflectance : float, optional
         Of mirrors, at normal incidence: 0 to 1.
     power : float, optional
@@ -52,6 +55,7 @@ class Edit:
     move: Vector = (0.0, 0.0, 0.0)
     curvature: float | None = None
     cross_curvature: float | None = None
+    added_curvature: float | None = None
     reflectance: float | None = None
     power: float | None = None
     index: float | None = None
@@ -122,6 +126,13 @@ def _shaped(meshes: tuple[Mesh, ...], lens: LensPair | None, by: Edit) -> tuple[
         if len(mirrors) != 1:
             raise AnamorphError(f"part '{meshes[0].name}': is {len(mirrors)} mirrors; bend one mirror at a time")
         changed[mirrors[0]] = bent(meshes[mirrors[0]], by.curvature, by.cross_curvature)
+    if by.added_curvature is not None:
+        mirrors = [number for number, mesh in enumerate(meshes) if isinstance(mesh.material, Mirror)]
+        if not mirrors:
+            raise AnamorphError(f"part '{meshes[0].name}': is no mirror; leave added_curvature out")
+        further = arched(tuple(meshes[number] for number in mirrors), by.added_curvature)
+        for number, mesh in zip(mirrors, further, strict=True):
+            changed[number] = mesh
     if by.power is not None and lens is None:
         raise AnamorphError(f"part '{meshes[0].name}': has no power, it is no lens of two faces; leave power out")
     if lens is not None and (by.power is not None or by.index is not None):

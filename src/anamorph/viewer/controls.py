@@ -17,6 +17,7 @@ import numpy as np
 from anamorph.errors import AnamorphError, nearest
 from anamorph.methods.options import limits_of, summaries
 from anamorph.methods.protocol import Method
+from anamorph.scene.arching import arch_of
 from anamorph.scene.bending import bend_of
 from anamorph.scene.camera import Camera
 from anamorph.scene.checks import check_camera
@@ -31,8 +32,10 @@ TURNS = {
     "roll": "about its outward axis; positive turns it counter-clockwise as you look at it",
 }
 MOVES = {"right": "to the right, as you look at it", "up": "upward", "outward": "the way it faces"}
-SHAPES = ("curvature", "cross_curvature", "reflectance", "power", "index")
+SHAPES = ("curvature", "cross_curvature", "added_curvature", "reflectance", "power", "index")
 WHATS = (*TURNS, *MOVES, *SHAPES)
+LABELS = {"power": "back vertex power"}
+"""Of what is not labelled by its own name."""
 
 MOST_TURN = 45.0
 ROUND = (1.0, 2.0, 5.0, 10.0)
@@ -160,6 +163,8 @@ def reading(control: Control, value: float) -> str:
     """A value as a user reads it: a curvature with its radius beside it."""
     if control.unit != "1/m":
         return f"{value:.4g} {control.unit}".rstrip()
+    if control.key.endswith("/added_curvature"):
+        return "as it was" if value == 0.0 else f"more {'convex' if value > 0.0 else 'concave'}"
     if abs(value) < control.step / 2.0:
         return "flat"
     return f"{'convex' if value > 0.0 else 'concave'}, R = {1.0 / abs(value):.4g} m"
@@ -238,7 +243,11 @@ def _shape_controls(name: str, meshes: list[Mesh], specular: list[Mesh]) -> list
         for what, curvature in zip(SHAPES, bend.curvatures, strict=False):
             which = "of its other section, " if what == "cross_curvature" else ""
             summary = f"{which}one over the radius: positive is convex, 0 flat, negative concave"
-            controls.append(_control(name, what, "1/m", (-bend.limit, bend.limit), curvature, summary))
+            controls.append(_control(name, what, "1/m", bend.limits, curvature, summary))
+    arch = arch_of([mesh for mesh in specular if isinstance(mesh.material, Mirror)])
+    if arch is not None:
+        summary = "one over a radius, added to the mirror's own: positive is more convex, negative more concave"
+        controls.append(_control(name, "added_curvature", "1/m", (-arch.limit, arch.limit), 0.0, summary))
     match specular[0].material:
         case Mirror(reflectance=reflectance):
             summary = "the share of light that it reflects, seen squarely"
@@ -248,7 +257,7 @@ def _shape_controls(name: str, meshes: list[Mesh], specular: list[Mesh]) -> list
         front, back = meshes[lens.front], meshes[lens.back]
         optics, limits = optics_of(front, back), power_limits(front, back)
         if optics is not None and limits is not None:
-            summary = "back vertex power: positive converges; the back is bent, the front stays"
+            summary = "at the back, for far objects: positive converges; the back is bent, the front stays"
             controls.append(_control(name, "power", "D", limits, optics.power, summary))
     glass = next((mesh.material for mesh in specular if isinstance(mesh.material, Glass)), None)
     if glass is not None:
@@ -262,7 +271,8 @@ def _shape_controls(name: str, meshes: list[Mesh], specular: list[Mesh]) -> list
 def _control(part: str, what: str, unit: str, limits: tuple[float, float], default: float, summary: str) -> Control:
     low, high = limits
     step = _round((high - low) / STEPS)
-    return Control(f"{part}/{what}", what.replace("_", " "), part, unit, low, high, default, step, summary)
+    label = LABELS.get(what, what.replace("_", " "))
+    return Control(f"{part}/{what}", label, part, unit, low, high, default, step, summary)
 
 
 def _round(value: float) -> float:

@@ -69,7 +69,7 @@ class Showing:
     picture : (width, height)
         Of the pictures that were drawn last.
     frame_ms : float
-        What the last picture that moved took to draw; 0 for the first of several.
+        What the last picture that moved took to draw.
     samples_done : int
     finished : bool
         Whether nothing is left to refine.
@@ -204,8 +204,9 @@ class Showing:
             self._of_layers = self._of_layers.after(1e3 * seconds)
             self.frames, self.measured = {}, {}
             spent += 1e3 * seconds
-        # The first of several has opened what the others find open.
-        self.frame_ms = 0.0 if self._first else spent
+        # The first of several has opened what the others find open: it counts where there is no other.
+        if not (self._first and self.frame_ms):
+            self.frame_ms = spent
         self._first = False
 
     def _drawing(self, size: Size) -> Steps:

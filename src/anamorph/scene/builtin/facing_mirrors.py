@@ -45,8 +45,9 @@ def hung(name: str, middle: Vector, width: float, height: float, normal: Vector)
     axes = turned_axes(np.asarray(normal) / np.linalg.norm(normal), 0.0)
     right, up = width * axes[0], height * axes[1]
     mirror = plane_mirror(name, np.asarray(middle) - right / 2 - up / 2, right, up)
-    frame = bezel(mirror, 2, 2, 0.03, 0.03).mesh(f"frame/{name}", Diffuse(color=(0.30, 0.16, 0.07)))
-    return [mirror, frame]
+    # The near one's back is seen in the far one.
+    frame = bezel(mirror, 2, 2, 0.03, 0.03, closed=name == "mirror-near")
+    return [mirror, frame.mesh(f"frame/{name}", Diffuse(color=(0.30, 0.16, 0.07)))]
 
 
 def things() -> list[Mesh]:

@@ -1,10 +1,15 @@
-"""A flat wall mirror of two triangles: every method must show in it exactly what a mirrored camera would."""
+"""A flat wall mirror of two triangles: every method must show in it exactly what a mirrored camera would.
+
+Behind it the wall has a niche, so that it can be turned and bent where it hangs.
+"""
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
-from anamorph.scene.builtin.shapes import Shape, box, grid, lattice
+from anamorph.scene.builtin.shapes import Rectangle, Shape, box, grid, lattice, loft
 from anamorph.scene.builtin.textures import checkerboard, mottled, texture
 from anamorph.scene.camera import Camera
 from anamorph.scene.model import AmbientLight, Color, Diffuse, DirectionalLight, Mesh, Mirror, Scene, Sky
@@ -19,13 +24,26 @@ BOXES: tuple[tuple[tuple[float, float, float], tuple[float, float, float], float
 )
 
 
+WALL: Rectangle = (-3.0, 0.0, 3.0, 2.4)
+FRAME: Rectangle = (-0.95, 0.20, 0.95, 1.60)
+OPENING: Rectangle = (-0.88, 0.27, 0.88, 1.53)
+"""Of frame and wall, a little smaller than the mirror before it."""
+BACK: Rectangle = (0.0, 0.9, 0.0, 0.9)
+"""Where the niche's back is closed. All four: left, bottom, right and top, metres."""
+FRONT, NICHE = 0.022, 0.75
+"""How far the frame stands before the wall, and how deep the niche is, metres."""
+
+
 def flat_mirror() -> Scene:
     """The built-in scene `flat-mirror`."""
     board = Diffuse(color=(1, 1, 1), texture=checkerboard(256, 4, (206, 202, 192), (96, 110, 118)))
     plaster = Diffuse(color=(1, 1, 1), texture=texture(mottled((256, 256), (196, 186, 170), 31, (4, 16), 3.0)))
     floor = grid((-3, 0, 4), (6, 0, 0), (0, 0, -4), (6, 4), (0, 0, 3, 2)).mesh("floor", board)
-    frame = box((-0.95, 0.20, 0.0), (0.95, 1.60, 0.022), "+x-x+y-y+z")
-    wall = grid((-3, 0, 0), (6, 0, 0), (0, 2.4, 0), (6, 4), (0, 0, 3, 1.2)).mesh("wall", plaster)
+    frame = loft(rings((FRAME, 0.0), (FRAME, FRONT), (OPENING, FRONT), (OPENING, 0.0)))
+    bare = loft(rings((WALL, 0.0), (OPENING, 0.0), (OPENING, -NICHE), (BACK, -NICHE)))
+    # Along z too, so that the niche's sides show no streaks.
+    x, y, z = bare.positions.T
+    wall = replace(bare, texcoords=np.column_stack([3.0 + x + z, 2.4 - y + z]) / 2.0).mesh("wall", plaster)
     blocks = [
         block(size, color).turned(turn).moved(*place).mesh(f"block-{number}", Diffuse(color=(1, 1, 1)))
         for number, (place, size, turn, color) in enumerate(BOXES)
@@ -46,6 +64,16 @@ def flat_mirror() -> Scene:
             AmbientLight(sky=(0.48, 0.5, 0.55), ground=(0.26, 0.24, 0.21)),
         ),
         sky=Sky(),
+    )
+
+
+def rings(*stations: tuple[Rectangle, float]) -> np.ndarray:
+    """Corners, (R, 4, 3), of rectangles at their heights z, counter-clockwise seen from +z."""
+    return np.array(
+        [
+            [(x, y, z) for x, y in ((left, bottom), (right, bottom), (right, top), (left, top))]
+            for (left, bottom, right, top), z in stations
+        ]
     )
 
 

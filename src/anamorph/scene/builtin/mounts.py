@@ -8,8 +8,8 @@ from anamorph.scene.builtin.shapes import Shape, loft
 from anamorph.scene.model import Mesh
 
 
-def bezel(mirror: Mesh, rows: int, columns: int, width: float, depth: float) -> Shape:
-    """A frame `width` metres wide around a mirror and a shell `depth` behind it, which show nothing in it.
+def bezel(mirror: Mesh, rows: int, columns: int, width: float, depth: float, closed: bool = False) -> Shape:
+    """A frame `width` metres wide around a mirror, which shows nothing of it, and reaches `depth` behind it.
 
     Parameters
     ----------
@@ -18,6 +18,8 @@ def bezel(mirror: Mesh, rows: int, columns: int, width: float, depth: float) -> 
     rows, columns : int
     width, depth : float
         Metres.
+    closed : bool
+        Whether it has a back. Without one, a mirror that is bent or turned sinks into it and stays seen.
     """
     index = np.arange(rows * columns).reshape(rows, columns)
     around = np.concatenate([index[0, :-1], index[:-1, -1], index[-1, :0:-1], index[:0:-1, 0]])
@@ -32,7 +34,7 @@ def bezel(mirror: Mesh, rows: int, columns: int, width: float, depth: float) -> 
     behind = float(((mirror.positions - middle) @ outward).min()) - depth
     lifted = across * wider + middle + behind * outward
     rings = [
-        np.broadcast_to(lifted.mean(axis=0), border.shape),
+        *([np.broadcast_to(lifted.mean(axis=0), border.shape)] if closed else []),
         lifted,
         border + (wider - 1.0) * across - 0.004 * outward,
         border - 0.0005 * outward,

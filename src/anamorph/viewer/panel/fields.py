@@ -43,6 +43,8 @@ def number(
 ) -> float:
     """A number between limits, dragged or typed; its new value, a whole number of steps.
 
+    Of a number that is typed beyond the limits the nearer one is taken, and said below the field.
+
     Parameters
     ----------
     sheet : Sheet
@@ -83,6 +85,8 @@ def number(
     imgui.pop_style_color(3)
     sheet.mark(key)
     sheet.drag(key)
+    if imgui.is_item_activated():
+        _note_cut(key, False)
     if not _typed_into(key):
         nought = min(max(0.0, ends[0]), ends[1])
         _fill(_share(nought, *ends, logarithmic), _share(value, *ends, logarithmic))
@@ -91,11 +95,18 @@ def number(
         tip("\n".join(filter(None, (summary, _between(low, high, places, unit), "Ctrl-click or double tap to type."))))
     if changed and math.isfinite(new):
         # imgui counts in float32; what is typed is not rounded to steps.
-        value = min(max(round(new if typed else round(new / step) * step, 6), low), high)
+        wanted = round(new if typed else round(new / step) * step, 6)
+        value = min(max(wanted, low), high)
+        _note_cut(key, typed and not math.isclose(wanted, value, rel_tol=1e-6, abs_tol=1e-6))
     if abs(value - default) > 1e-6 * step:
         imgui.same_line(0.0, 2.0)
         if sign(sheet, f"{key}/reset", "reset", f"Back to {number_text(default, places, unit)}"):
             value = default
+            _note_cut(key, False)
+    if _was_cut(key):
+        side, end = ("most", high) if value > low else ("least", low)
+        wrapped(f"at {side} {number_text(end, places, unit)}", theme.WARNING)
+        sheet.mark(f"{key}/limit")
     return value
 
 
@@ -160,6 +171,15 @@ def _between(low: float, high: float, places: int, unit: str) -> str:
     if not math.isfinite(high):
         return f"{number_text(low, places, unit)} or more"
     return f"{number_text(low, places)} to {number_text(high, places, unit)}"
+
+
+def _note_cut(key: str, cut: bool) -> None:
+    """Remember, in imgui's own store, whether the number that was typed last lay beyond the limits."""
+    imgui.get_state_storage().set_bool(imgui.get_id(f"{key}/limit"), cut)
+
+
+def _was_cut(key: str) -> bool:
+    return imgui.get_state_storage().get_bool(imgui.get_id(f"{key}/limit"))
 
 
 def _typed_into(key: str) -> bool:

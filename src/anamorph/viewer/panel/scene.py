@@ -96,7 +96,7 @@ def _field(sheet: Sheet, control: Control, value: float) -> float:
         (control.low, control.high),
         default=control.default,
         step=control.step,
-        unit=control.unit,
+        unit=control.unit.removeprefix("1"),
         summary=control.summary,
         logarithmic=control.logarithmic,
         shown=partial(curvature_text, control) if control.unit == "1/m" else None,

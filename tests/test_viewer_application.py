@@ -323,6 +323,20 @@ def test_a_lost_device_is_replaced(hand: Hand) -> None:
     assert lost() is None
 
 
+def test_viewers_that_share_a_lost_device_all_go_on(hand: Hand) -> None:
+    other = Hand(start("flat-mirror", "environment"))
+    try:
+        before = picture_of(other.settle(), other)
+        get_device().destroy()
+        for each in (hand, other):
+            each.settle()
+            assert "lost" in each.viewer.report()["message"]
+        other.click(*other.widget("message/close"))
+        assert alike(picture_of(other.settle(), other), before)
+    finally:
+        other.close()
+
+
 def toy(monkeypatch: pytest.MonkeyPatch, opened: Callable[[View, Any], Session]) -> None:
     """Register a method that is opened so."""
     monkeypatch.setitem(METHODS, "toy", replace(METHODS["pervertex"], name="toy", summary="A toy", open=opened))

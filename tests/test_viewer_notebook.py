@@ -22,6 +22,7 @@ from browser import chromium, needs_chromium
 from PIL import Image
 
 import anamorph as an
+from anamorph.gpu.device import get_device
 from anamorph.viewer.backends import choice as backends
 from anamorph.viewer.backends.notebook import in_notebook
 
@@ -155,6 +156,28 @@ def test_a_viewer_that_nobody_sees_is_let_go_of_and_goes_on_where_it_was(monkeyp
         widget.close()
         page.set("_views", 0)
         page.set("_views", 1)
+        await asyncio.sleep(0.3)
+
+    with ear() as loop:
+        asyncio.run(notebook())
+
+
+def test_a_device_that_is_lost_while_nobody_looks_is_replaced(monkeypatch):
+    monkeypatch.setattr(backends, "in_notebook", lambda: True)
+
+    async def notebook() -> None:
+        widget = an.view("flat-mirror", "environment", size=SIZE)
+        page = Page(widget, loop)
+        await page.open()
+        await page.picture_like(show)
+        page.set("_views", 0)
+        await until(lambda: widget.get_wgpu_context().get_configuration() is None)
+        get_device().destroy()
+        page.pictures.clear()
+        page.say("pointer_leave", x=0, y=0, buttons=[], **POINTER)
+        page.set("_views", 1)
+        await page.picture_like(show)
+        widget.close()
         await asyncio.sleep(0.3)
 
     with ear() as loop:

@@ -84,15 +84,26 @@ def test_what_is_no_event_reaches_nobody(said):
     assert Line(said, MOVE).run().heard == [MOVE]
 
 
-def test_a_page_that_takes_nothing_is_ended(monkeypatch):
+class Stuck(Line):
+    """A connection that takes nothing."""
+
+    async def send(self, message: dict[str, Any]) -> None:
+        await asyncio.sleep(1.0)
+        raise AssertionError("it was waited for")
+
+
+@pytest.fixture
+def impatient(monkeypatch):
     monkeypatch.setattr(stream, "LONGEST_TAKING", 0.01)
 
-    class Stuck(Line):
-        async def send(self, message: dict[str, Any]) -> None:
-            await asyncio.sleep(60.0)
 
+def test_a_page_that_takes_nothing_is_ended(impatient):
     with pytest.raises(ClientDisconnected):
         Stuck(pictures=1).run()
+
+
+def test_so_is_one_that_sends_on_and_takes_nothing(impatient):
+    assert Stuck(*[MOVE] * (MOST_WAITING + 10)).run().ended["code"] == TRY_AGAIN_LATER
 
 
 def test_requests_that_are_no_pages_pass():

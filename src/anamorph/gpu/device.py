@@ -119,6 +119,12 @@ def forget_device() -> None:
         remembered.cache_clear()
 
 
+def forget_lost_device() -> None:
+    """Drop the device where it is lost, see `forget_device`, and else nothing."""
+    if device_lost() is not None:
+        forget_device()
+
+
 def adapter_name() -> str:
     """The adapter, its kind and its interface, for reports."""
     info = get_adapter().info

@@ -96,7 +96,8 @@ fn filtered_texel(point: SurfacePoint, layer: u32) -> vec3f {
         let place = point.texcoord + longer * (tap / taps - 0.5);
         sum += textureSampleLevel(diffuse_textures, diffuse_sampler, place, layer, level).rgb;
         tap += 1.0;
-        if tap >= taps {
+        // Of a footprint without end the taps may be no number.
+        if !(tap < taps) {
             break;
         }
     }

@@ -14,7 +14,7 @@ import wgpu
 from rendercanvas.base import BaseRenderCanvas
 
 from anamorph.errors import AnamorphError
-from anamorph.gpu.device import adapter_name, device_lost, forget_device
+from anamorph.gpu.device import adapter_name, forget_lost_device
 from anamorph.projection import camera_projection
 from anamorph.scene.model import Scene
 from anamorph.viewer import starting
@@ -81,6 +81,8 @@ class Viewer:
     def __init__(self, canvas: BaseRenderCanvas, start: Start, later: Later | None = None) -> None:
         self._canvas, self._later = canvas, later
         self._job: Job | None = None
+        # One in a notebook may begin long after the device was made.
+        forget_lost_device()
         self._surface = Surface(self._canvas)
         self._handlers = {
             self._on_pointer: ("pointer_down", "pointer_move", "pointer_up", "wheel", "double_click"),
@@ -210,7 +212,9 @@ class Viewer:
         if self._closed:
             return
         # To ask a window for its texture on a lost device would end the process.
-        self._recover(device_lost())
+        forget_lost_device()
+        if self._surface.outlived:
+            self._recover()
         # Each for itself: whatever fails, the panel is there to say so.
         for step in (self._open_asked, self._show_panel, self._advance, self._mark, self._paint):
             self._attempt(step)
@@ -236,15 +240,13 @@ class Viewer:
             self.message = message
             self.refresh()
 
-    def _recover(self, lost: str | None) -> None:
-        """Go on with a new device where the old one is lost, with everything opened anew."""
-        if lost is not None:
-            self._let_go()
-            forget_device()
-            # Closed last: where there is no other device, events go on to reach the old one.
-            self._surface, old = Surface(self._canvas), self._surface
-            old.close()
-            self.message = "the graphics device was lost; this is drawn with a new one"
+    def _recover(self) -> None:
+        """Go on with a new device, because the old one is lost, with everything opened anew."""
+        self._let_go()
+        # Closed last: where there is no other device, events go on to reach the old one.
+        self._surface, old = Surface(self._canvas), self._surface
+        old.close()
+        self.message = "the graphics device was lost; this is drawn with a new one"
 
     def _advance(self) -> None:
         """Draw what has moved; else take a step of what is to be done at rest."""

@@ -102,14 +102,20 @@ class Surface:
         if self._context.get_configuration() is not None:
             # What it keeps is of a device that is gone.
             self._context.unconfigure()
-        form = self._context.get_preferred_format(get_device().adapter).removesuffix("-srgb")
-        self._context.configure(device=get_device(), format=form)
+        self._device = get_device()
+        form = self._context.get_preferred_format(self._device.adapter).removesuffix("-srgb")
+        self._context.configure(device=self._device, format=form)
         self._handlers = _Handlers(canvas)
-        self.imgui = ImguiRenderer(get_device(), self._handlers)
+        self.imgui = ImguiRenderer(self._device, self._handlers)
         set_theme()
         self._painter = Painter(form)
         self._marks: Marks | None = None
         self._shown_at = perf_counter()
+
+    @property
+    def outlived(self) -> bool:
+        """Whether the process has another device by now: of several viewers, one alone notices that it is lost."""
+        return self._device is not get_device()
 
     def close(self) -> None:
         """Let go of imgui; another surface can take this one's place on the canvas."""

@@ -10,6 +10,7 @@ from __future__ import annotations
 import asyncio
 import json
 from collections.abc import Callable
+from contextlib import suppress
 from typing import Any
 
 from uvicorn.protocols.utils import ClientDisconnected
@@ -71,7 +72,9 @@ class _Page:
                 self._seen, self._waiting = self._drawn(), 0
             self._waiting += 1
             if self._waiting > MOST_WAITING:
-                await self._send({"type": "websocket.close", "code": TRY_AGAIN_LATER})
+                # One that takes nothing does not even take this.
+                with suppress(ClientDisconnected):
+                    await self.tell({"type": "websocket.close", "code": TRY_AGAIN_LATER})
                 return {"type": "websocket.disconnect", "code": TRY_AGAIN_LATER}
             if self._is_meant(message.get("text") or ""):
                 return message

@@ -208,8 +208,8 @@ def _lighting(scene: Scene) -> np.ndarray:
     words[0, :3] = np.sum([light.sky for light in ambient] or [(0, 0, 0)], axis=0)
     words[1, :3] = np.sum([light.ground for light in ambient] or [(0, 0, 0)], axis=0)
     words[2, :3], words[3, :3], words[4, :3] = scene.sky.zenith, scene.sky.horizon, scene.sky.nadir
-    flags[0, 3] = len(lights)
-    flags[1, 3] = scene.sky.image is not None
+    # Where there is no light, the last one is black.
+    flags[6 + 2 * max(len(lights) - 1, 0), 3] = 1
     for i, light in enumerate(lights):
         words[5 + 2 * i, :3], flags[5 + 2 * i, 3] = _place(light)
         words[6 + 2 * i, :3] = light.color

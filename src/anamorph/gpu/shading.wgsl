@@ -6,21 +6,23 @@ struct Light {
     // 0: directional, 1: point.
     kind: u32,
     color: vec3f,
-    padding: f32,
+    // 1 for the last one.
+    last: u32,
 }
 
+// Nothing in here that is at a fixed place may decide a branch or end a loop: software Vulkan then compiles the shader
+// for its value, and keeps what it has compiled for every buffer that it ever saw.
 struct Lighting {
     ambient_sky: vec3f,
-    light_count: u32,
-    ambient_ground: vec3f,
-    // 1 where an image replaces the gradient.
-    sky_image: u32,
-    zenith: vec3f,
     padding_0: f32,
-    horizon: vec3f,
+    ambient_ground: vec3f,
     padding_1: f32,
-    nadir: vec3f,
+    zenith: vec3f,
     padding_2: f32,
+    horizon: vec3f,
+    padding_3: f32,
+    nadir: vec3f,
+    padding_4: f32,
     lights: array<Light, 1024>,
 }
 
@@ -130,10 +132,10 @@ fn shade_painted(point: SurfacePoint, paint: Paint, direction: vec3f) -> vec3f {
             strength = 1.0 / square;
         }
         light += source.color * (strength * max(dot(normal, toward), 0.0));
-        i++;
-        if i >= lighting.light_count {
+        if source.last == 1u {
             break;
         }
+        i++;
     }
     var color = light * paint.color * point.color;
     if TEXTURES == 1 && paint.texture_layer > 0u {
@@ -145,8 +147,9 @@ fn shade_painted(point: SurfacePoint, paint: Paint, direction: vec3f) -> vec3f {
 // What a ray sees that hits nothing; `spread` is the angle of a pixel, radians.
 fn sky_color(direction: vec3f, spread: f32) -> vec3f {
     let unit = normalize(direction);
-    if SKY_IMAGE == 1 && lighting.sky_image == 1u {
-        let width = f32(textureDimensions(sky_texture).x);
+    let width = f32(textureDimensions(sky_texture).x);
+    // Without an image, the texture is a single texel wide.
+    if SKY_IMAGE == 1 && width > 1.0 {
         let level = max(log2(spread * width / 6.2831853), 0.0);
         let u = 0.5 + atan2(unit.x, -unit.z) / 6.2831853;
         let v = acos(clamp(unit.y, -1.0, 1.0)) / 3.14159265;

@@ -89,7 +89,8 @@ def sky_texture(image: Texture | None) -> wgpu.GPUTexture:
     if image is None:
         return _upload([np.full((1, 1, 4), 255, np.uint8)])
     height, width = (min(extent, maximum_size()) for extent in image.pixels.shape[:2])
-    return _upload([_resized(image.pixels, (width, height))])
+    # A width of one texel tells the shader that there is no image.
+    return _upload([_resized(image.pixels, (max(width, 2), height))])
 
 
 def texture_sampler(vertical: str = "repeat") -> wgpu.GPUSampler:

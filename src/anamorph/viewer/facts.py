@@ -112,7 +112,7 @@ class Facts:
         Of a picture at full resolution, pixels.
     adapter : str
     frame_ms : float
-        Between the last pictures that moved; 0 before there are two.
+        What the last picture that moved took to draw; 0 before there is one.
     phases_ms : mapping of str to float
         What the last frame's time went to.
     samples_done, samples_total : int

@@ -37,5 +37,7 @@ def typing_by_double_tap() -> Iterator[None]:
     io = imgui.get_io()
     held = io.key_ctrl
     io.key_ctrl = held or (by_finger() and imgui.is_mouse_double_clicked(LEFT))
-    yield
-    io.key_ctrl = held
+    try:
+        yield
+    finally:
+        io.key_ctrl = held

@@ -299,3 +299,11 @@ def test_a_light_beyond_half_floats_is_as_bright_as_they_can_be():
     render_pass.end()
     submit(encoder)
     assert read_texture(target.textures[0])[..., :3].max() == np.finfo(np.float16).max
+
+
+@pytest.mark.parametrize("shape", [(1, 1), (4, 1), (1, 4)])
+def test_an_image_of_a_texel_is_an_image(shape):
+    away = replace(quad(), positions=quad().positions * np.float32(1e-3) + np.float32([50, 50, 50]))
+    pixels = np.broadcast_to(np.uint8([255, 0, 0, 255]), (*shape, 4))
+    frame = picture(away, (), CAMERA, Sky(image=Texture(pixels)), size=(3, 3))
+    assert frame.color == pytest.approx(np.broadcast_to([1.0, 0.0, 0.0], (3, 3, 3)), abs=HALF)

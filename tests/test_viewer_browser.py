@@ -189,13 +189,19 @@ def test_two_fingers_pan_and_zoom_and_one_scrolls_the_panel(browser, tmp_path):
         assert tab.report()["state"] == report["state"], "and all else stays as it was"
         assert "mirror/swivel" in tab.report()["rectangles"]
         place = tab.center("mirror/tilt")
-        for _ in range(2):
+        # Two taps are a double tap within half a second; a machine that is busy may need more of them.
+        for _ in range(6):
             frames = tab.report()["frames"]
             tab.tap(*place)
+            tab.tap(*place)
             # Until they have been drawn that show it, keys have another meaning.
-            tab.wait_until(lambda report, before=frames: report["frames"] >= before + 5, "the tap")
-        tab.page.keyboard.type("3.5")
-        tab.key("Enter")
-        tab.wait_until(lambda report: report["state"]["values"].get("mirror/tilt") == 3.5, "what was typed")
+            tab.wait_until(lambda report, before=frames: report["frames"] >= before + 8, "the taps")
+            tab.page.keyboard.type("3.5")
+            tab.key("Enter")
+            frames = tab.report()["frames"]
+            values = tab.wait_until(lambda report, before=frames: report["frames"] >= before + 4)["state"]["values"]
+            if values.get("mirror/tilt") == 3.5:
+                break
+        assert values.get("mirror/tilt") == 3.5
         assert tab.complaints == []
         assert viewer.interrupt() == (0, "")

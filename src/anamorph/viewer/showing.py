@@ -204,8 +204,8 @@ class Showing:
             self._of_layers = self._of_layers.after(1e3 * seconds)
             self.frames, self.measured = {}, {}
             spent += 1e3 * seconds
-        # The first of several has opened what the others find open: it counts where there is no other.
-        if not (self._first and self.frame_ms):
+        # The first of several may have opened what the others find open.
+        if not self._first or not self.frame_ms or spent < self.frame_ms:
             self.frame_ms = spent
         self._first = False
 

@@ -25,6 +25,9 @@ Area = tuple[int, int, int, int]
 MOST_EVENTS = 10_000
 """That imgui keeps: of a text that is pasted, each letter is one."""
 
+DOUBLE_CLICK = 0.45
+"""Seconds between two taps that are one double tap: slow pictures tell imgui late of either."""
+
 
 class Painter:
     """Draws halves, and marks over them, into textures of one `form`, which has no sRGB: the shaders encode colours."""
@@ -108,6 +111,7 @@ class Surface:
         self._handlers = _Handlers(canvas)
         self.imgui = ImguiRenderer(self._device, self._handlers)
         set_theme()
+        imgui.get_io().mouse_double_click_time = DOUBLE_CLICK
         self._painter = Painter(form)
         self._marks: Marks | None = None
         self._shown_at = perf_counter()

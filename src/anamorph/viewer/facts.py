@@ -112,7 +112,7 @@ class Facts:
         Of a picture at full resolution, pixels.
     adapter : str
     frame_ms : float
-        What the last picture that moved took to draw; 0 before there is one.
+        What the last picture of several that moved took to draw; 0 before there are two.
     phases_ms : mapping of str to float
         What the last frame's time went to.
     samples_done, samples_total : int

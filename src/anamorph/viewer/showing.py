@@ -69,7 +69,7 @@ class Showing:
     picture : (width, height)
         Of the pictures that were drawn last.
     frame_ms : float
-        What the last picture that moved took to draw.
+        What the last picture of several that moved took to draw; 0 before there are two.
     samples_done : int
     finished : bool
         Whether nothing is left to refine.
@@ -205,7 +205,7 @@ class Showing:
             self.frames, self.measured = {}, {}
             spent += 1e3 * seconds
         # The first of several may have opened what the others find open.
-        if not self._first or not self.frame_ms or spent < self.frame_ms:
+        if not self._first:
             self.frame_ms = spent
         self._first = False
 

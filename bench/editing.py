@@ -11,10 +11,10 @@ from time import perf_counter
 
 import numpy as np
 
+from anamorph import gallery
 from anamorph.frame import View
+from anamorph.gallery.shapes import lattice
 from anamorph.methods import METHODS, parse
-from anamorph.scene import builtin
-from anamorph.scene.builtin.shapes import lattice
 from anamorph.scene.model import Mesh, Scene
 from anamorph.viewer.controls import edited
 
@@ -56,7 +56,7 @@ def step(scene: Scene, method: str, size: tuple[int, int], swivel: float) -> lis
 
 def hilly(count: int, strips: int = 8) -> Scene:
     """The mirror of `car-mirror` over hills of about `count` triangles, in strips."""
-    scene = builtin.make("car-mirror")
+    scene = gallery.make("car-mirror")
     columns = int(np.sqrt(count / 2 / strips))
     rows = max(count // (2 * strips * columns), 1)
     hills = []

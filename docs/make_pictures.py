@@ -8,10 +8,10 @@ import numpy as np
 from PIL import Image, ImageDraw, ImageFont
 
 import anamorph as an
-from anamorph import demo
+from anamorph.base.output import to_pixels, whole_file
+from anamorph.cli import demo
 from anamorph.measure.errors import measure
 from anamorph.measure.heatmap import MILLIRADIANS, heat_map, scale_colors
-from anamorph.output import to_pixels, whole_file
 
 PICTURES = Path(__file__).resolve().parent / "pictures"
 

@@ -12,7 +12,7 @@ from figures.comparing import Drawn
 from figures.configurations import FIGURES as CONFIGURATIONS
 from figures.panels import save
 
-from anamorph.output import whole_file
+from anamorph.base.output import whole_file
 
 PAGE = Path(__file__).resolve().parent / "trilinear.md"
 PICTURES = PAGE.parent / "pictures" / "trilinear"

@@ -18,7 +18,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests"))
 
 from viewer_hand import Hand
 
-from anamorph.output import whole_file
+from anamorph.base.output import whole_file
 from anamorph.viewer.starting import start
 
 PICTURES = Path(__file__).resolve().parent / "pictures" / "viewer"

@@ -6,7 +6,7 @@ from typing import cast
 
 import numpy as np
 
-from anamorph.scene.lens_mesh import Lens, LensSurface
+from anamorph.lenses.lens_mesh import Lens, LensSurface
 
 
 def surfaces(lens: Lens) -> tuple[LensSurface, LensSurface]:

@@ -7,10 +7,10 @@ from dataclasses import dataclass
 import numpy as np
 from scenes import SIZE
 
-from anamorph.methods.bodies import Sight, bodies_of, see
-from anamorph.methods.division import divide, seen_faces
-from anamorph.methods.warp import MapPlan, PlanOptions, plan_map
-from anamorph.methods.world import World, world_of
+from anamorph.methods.pervertex.bodies import Sight, bodies_of, see
+from anamorph.methods.pervertex.division import divide, seen_faces
+from anamorph.methods.pervertex.warp import MapPlan, PlanOptions, plan_map
+from anamorph.methods.pervertex.world import World, world_of
 from anamorph.scene.camera import Camera, Eye
 from anamorph.scene.geometry import flatten
 from anamorph.scene.model import Scene

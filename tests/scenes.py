@@ -7,14 +7,14 @@ from dataclasses import replace
 import numpy as np
 
 from anamorph.frame import Frame, View
+from anamorph.gallery.flat_mirror import plane_mirror
+from anamorph.gallery.shapes import box, grid, lattice
+from anamorph.gallery.textures import checkerboard
 from anamorph.methods import parse
 from anamorph.methods.protocol import Session
-from anamorph.scene.builtin.flat_mirror import plane_mirror
-from anamorph.scene.builtin.shapes import box, grid, lattice
-from anamorph.scene.builtin.textures import checkerboard
 from anamorph.scene.camera import Camera
 from anamorph.scene.model import Diffuse, Mesh, Mirror, Scene, Sky
-from anamorph.scene.surfaces import Sphere
+from anamorph.surfaces.shapes import Sphere
 
 SIZE = (160, 120)
 CENTER = np.array([0.0, 0.5, 0.0])

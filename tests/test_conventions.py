@@ -10,17 +10,17 @@ import numpy as np
 import pytest
 from scenes import CENTER, drawn, scene_with, spherical_mirror
 
-from anamorph.errors import AnamorphError
+from anamorph import gallery
+from anamorph.base.errors import AnamorphError
+from anamorph.base.srgb import decode_srgb
 from anamorph.frame import Status, View
+from anamorph.gallery.shapes import grid
 from anamorph.methods import METHODS
 from anamorph.optics.laws import reflect
 from anamorph.optics.reflection import reflected_rays, reflector
 from anamorph.projection import camera_projection
-from anamorph.scene import builtin
-from anamorph.scene.builtin.shapes import grid
 from anamorph.scene.camera import Camera
 from anamorph.scene.model import AmbientLight, Diffuse, Mirror, Scene, Texture
-from anamorph.srgb import decode_srgb
 
 CAMERA = Camera((0.0, 0.0, 3.0), (0.0, 0.0, 0.0), field_of_view=40.0)
 SIZE = (80, 60)
@@ -126,9 +126,9 @@ def test_colours_are_linear_but_in_textures_which_are_srgb(frame):
     assert frame.color.dtype == np.float32
 
 
-@pytest.mark.parametrize("name", builtin.names())
+@pytest.mark.parametrize("name", gallery.names())
 def test_triangles_turn_counter_clockwise_and_normals_point_outside(name):
-    scene = builtin.make(name)
+    scene = gallery.make(name)
     for mesh in scene.meshes:
         corners = np.asarray(mesh.positions, float)[mesh.faces]
         area = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])

@@ -14,28 +14,19 @@ ROOT = Path(__file__).resolve().parents[1]
 PACKAGE = ROOT / "src" / "anamorph"
 MODULES = sorted(PACKAGE.rglob("*.py"))
 
-FOUNDATIONS = {"errors", "interrupt", "compiled", "output", "progress", "quiet", "srgb", "steps", "versions", "video"}
-"""Modules that know nothing of scenes or pictures; every room may use them, and they use only each other."""
+ORDER = (
+    "base", "surfaces", "scene", "lenses", "editing", "gallery", "files", "raymesh", "rays", "optics", "cameras",
+    "projection", "frame", "gpu", "raytriangle", "methods", "measure", "rendering", "bench", "viewer", "cli",
+)  # fmt: skip
+"""The rooms: each imports only itself and those that stand before it."""
 
-BELOW: dict[str, set[str]] = {
-    "scene": set(),
-    "raymesh": set(),
-    "embree": set(),
-    "projection": {"scene"},
-    "frame": {"scene", "raymesh"},
-    "rays": {"scene", "raymesh", "embree"},
-    "optics": {"scene", "raymesh", "rays"},
-    "cameras": {"scene", "raymesh", "optics"},
-    "gpu": {"scene", "frame", "projection"},
-    "trilinear": {"scene", "raymesh", "projection", "gpu"},
-    "methods": {"scene", "raymesh", "rays", "optics", "frame", "projection", "gpu", "cameras", "trilinear"},
-    "measure": {"scene", "raymesh", "optics", "frame", "gpu", "cameras", "methods"},
-    "viewer": {"scene", "raymesh", "rays", "optics", "frame", "projection", "gpu", "cameras", "methods", "measure"},
-}
-"""What each room may import, besides itself and the foundations."""
-
-ON_TOP = {"__init__", "__main__", "arguments", "cli", "demo", "rendering", "turntable"}
+ON_TOP = {"__init__", "__main__"}
 """What may import anything, and what nothing below imports."""
+
+METHODS = ("raytrace", "environment", "pervertex", "trilinear")
+
+ACROSS = {("environment", "pervertex")}
+"""Methods that import another: planar reflection is a special case of per-vertex reflection."""
 
 REGISTRIES = re.compile(
     r"https?://[^\s\"'<>)]*(?:pypi|pythonhosted|npmjs|anaconda|crates\.io|debian\.org/debian|/simple\b)"
@@ -48,38 +39,44 @@ def room(path: Path) -> str:
     return path.relative_to(PACKAGE).parts[0].removesuffix(".py")
 
 
-def imported_rooms(source: str) -> set[str]:
-    """The rooms of this package that a module's source imports, anywhere in it."""
+def imported_places(source: str) -> set[tuple[str, ...]]:
+    """What of this package a module's source imports, anywhere in it, as the parts of its dotted name."""
     names: set[str] = set()
     for node in ast.walk(ast.parse(source)):
         if isinstance(node, ast.Import):
             names |= {alias.name for alias in node.names}
         elif isinstance(node, ast.ImportFrom) and node.level == 0 and node.module:
             names |= {f"{node.module}.{alias.name}" for alias in node.names}
-    return {name.split(".")[1] for name in names if name.startswith("anamorph.")}
+    return {tuple(name.split(".")[1:]) for name in names if name.startswith("anamorph.")}
+
+
+def imported_rooms(source: str) -> set[str]:
+    """The rooms of this package that a module's source imports."""
+    return {place[0] for place in imported_places(source)}
 
 
 @pytest.mark.parametrize("module", MODULES, ids=lambda path: str(path.relative_to(PACKAGE)))
-def test_a_module_imports_only_rooms_below_its_own(module: Path) -> None:
+def test_a_module_imports_only_rooms_that_stand_before_its_own(module: Path) -> None:
     here = room(module)
     if here not in ON_TOP:
-        allowed = FOUNDATIONS if here in FOUNDATIONS else BELOW[here] | FOUNDATIONS | {here}
-        assert imported_rooms(module.read_text()) <= allowed
+        assert imported_rooms(module.read_text()) <= set(ORDER[: ORDER.index(here) + 1])
 
 
 def test_every_room_is_placed() -> None:
-    assert {room(module) for module in MODULES} <= BELOW.keys() | FOUNDATIONS | ON_TOP
+    assert {room(module) for module in MODULES} == set(ORDER) | ON_TOP
 
 
-def test_rooms_depend_on_each_other_one_way() -> None:
-    placed: set[str] = set()
-    while ready := {name for name, below in BELOW.items() if name not in placed and below <= placed}:
-        placed |= ready
-    assert placed == BELOW.keys()
+@pytest.mark.parametrize("method", METHODS)
+def test_no_method_imports_another(method: str) -> None:
+    sources = [path.read_text() for path in (PACKAGE / "methods" / method).rglob("*.py")]
+    others = {name for source in sources for name in imported_places(source) if name[0] == "methods"}
+    assert {(method, name[1]) for name in others if name[1:] and name[1] in METHODS and name[1] != method} <= ACROSS
 
 
 def test_the_guard_sees_every_form_of_import() -> None:
-    forms = "import anamorph.gpu.device\nfrom anamorph import measure\ndef f():\n    from anamorph.cli import main"
+    forms = (
+        "import anamorph.gpu.device\nfrom anamorph import measure\ndef f():\n    from anamorph.cli.commands import main"
+    )
     assert imported_rooms(forms) == {"gpu", "measure", "cli"}
 
 

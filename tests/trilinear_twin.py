@@ -6,10 +6,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from anamorph.trilinear.beams import Beams, make_beams
-from anamorph.trilinear.pairs import ALL, Own, Triangles
-from anamorph.trilinear.plan import Plan, Planner
-from anamorph.trilinear.tree import make_tree
+from anamorph.methods.trilinear.beams import Beams, make_beams
+from anamorph.methods.trilinear.pairs import ALL, Own, Triangles
+from anamorph.methods.trilinear.plan import Plan, Planner
+from anamorph.methods.trilinear.tree import make_tree
 
 SIZE = (200, 160)
 

@@ -8,9 +8,9 @@ import numpy as np
 from figures.panels import Panel
 
 import anamorph as an
+from anamorph.base.output import to_pixels
 from anamorph.measure.colors import color_errors
 from anamorph.measure.errors import Errors, counted, measure
-from anamorph.output import to_pixels
 from anamorph.raymesh import RayMesh
 
 Drawn = tuple[list[list[Panel]], list[str]]

@@ -7,8 +7,9 @@ from functools import cache
 
 import numpy as np
 
-from anamorph.measure.thesis.printed import configurations
-from anamorph.trilinear import Shape, project_points, project_triangle
+from anamorph.bench.thesis.printed import configurations
+from anamorph.methods.trilinear.straight import Shape, project_triangle
+from anamorph.raytriangle import project_points
 
 SEED = 3
 DRAWS = 6000

@@ -11,10 +11,10 @@ from figures.panels import Panel, lined, shrunk
 from PIL import Image, ImageDraw
 
 import anamorph as an
+from anamorph.base.output import to_pixels
 from anamorph.cameras import from_grid
-from anamorph.output import to_pixels
+from anamorph.methods.trilinear.straight import project_triangle
 from anamorph.raymesh import RayMesh
-from anamorph.trilinear import project_triangle
 
 THIRD = (313, 271)
 FINE = 2

@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 import anamorph as an
+from anamorph.gallery.shapes import Shape, icosphere, join, lattice
 from anamorph.projection import Projection
-from anamorph.scene.builtin.shapes import Shape, icosphere, join, lattice
 from anamorph.scene.model import Color
 
 SIDES = 6

@@ -10,13 +10,13 @@ from figures.panels import Panel, draw, labelled, places
 from figures.warps import warps
 
 import anamorph as an
+from anamorph import gallery
+from anamorph.gallery.curvature_series import curved_mirror
+from anamorph.lenses.lens import Prescription, make_lens
 from anamorph.optics.reflection import Reflector, reflected_rays, reflector
 from anamorph.optics.refraction import Refractor, refracted_rays, refractor
 from anamorph.optics.viewpoint import virtual_viewpoint
 from anamorph.raymesh import RayMesh
-from anamorph.scene import builtin
-from anamorph.scene.builtin.curvature_series import curved_mirror
-from anamorph.scene.lens import Prescription, make_lens
 
 SIZE = (475, 440)
 UP, AHEAD, RIGHT = np.array([0.0, 1.0, 0.0]), np.array([0.0, 0.0, -1.0]), np.array([1.0, 0.0, 0.0])
@@ -40,7 +40,7 @@ def rays_of(
 
 def viewpoint() -> list[list[Panel]]:
     """Figure 3: the rays at the vertices of the door mirror, and the point nearest to all of their lines."""
-    scene = builtin.make("car-mirror")
+    scene = gallery.make("car-mirror")
     mirror, eye = scene.meshes[0], np.asarray(scene.camera.position)
     warp = warps(scene, (640, 480))[0]
     point = warp.plan.viewpoint[:3] / warp.plan.viewpoint[3]
@@ -74,7 +74,7 @@ def viewpoint() -> list[list[Panel]]:
 
 def view_volume() -> list[list[Panel]]:
     """Figure 4: the view volume of the map, close to the mirror and in the street."""
-    scene = builtin.make("car-mirror")
+    scene = gallery.make("car-mirror")
     eye = np.asarray(scene.camera.position)
     warp = warps(scene, (640, 480))[0]
     point = warp.plan.viewpoint[:3] / warp.plan.viewpoint[3]

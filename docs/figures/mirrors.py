@@ -12,21 +12,21 @@ from figures.panels import HALF, WARP, Panel, cropped, draw, labelled, lined, ou
 from figures.warps import warps
 
 import anamorph as an
+from anamorph import gallery
+from anamorph.base.output import to_pixels
+from anamorph.files.cad import FaceChoice, chosen_faces
+from anamorph.files.placing import replace_mirror
 from anamorph.frame import View
+from anamorph.gallery.car_mirror import REARWARD, foot, glass, housing, mirror_sphere
+from anamorph.gallery.curvature_series import RADII, one_mirror
 from anamorph.measure.angles import normalized
 from anamorph.measure.continuity import continuity
 from anamorph.measure.errors import measure
-from anamorph.methods.pervertex import Options
-from anamorph.output import to_pixels
-from anamorph.scene import builtin
-from anamorph.scene.builtin.car_mirror import REARWARD, foot, glass, housing, mirror_sphere
-from anamorph.scene.builtin.curvature_series import RADII, one_mirror
-from anamorph.scene.cad import FaceChoice, chosen_faces
-from anamorph.scene.placing import replace_mirror
+from anamorph.methods.pervertex.pervertex import Options
 
 THIRD = (313, 235)
 LARGE = (960, 720)
-STEP = Path(an.__file__).parent / "scene" / "assets" / "aspheric-door-mirror.step"
+STEP = Path(an.__file__).parent / "gallery" / "assets" / "aspheric-door-mirror.step"
 ANGLES = (REARWARD, (-0.30, -0.03, 1.0))
 """The ways that the door mirror looks in Figure 5."""
 PATCHES = np.array(
@@ -53,7 +53,7 @@ def cad() -> list[list[Panel]]:
             "housing": housing(sphere).mesh("housing", an.Diffuse((1.0, 1.0, 1.0))),
             "housing/foot": foot(sphere).mesh("housing/foot", an.Diffuse((1.0, 1.0, 1.0))),
         }
-        scene = builtin.make("car-mirror")
+        scene = gallery.make("car-mirror")
         scene = replace(scene, meshes=tuple(turned.get(mesh.name, mesh) for mesh in scene.meshes))
         scene = replace_mirror(scene, faces, 24, str(STEP.name))
         rows.append([Panel(draw(scene), f"{words}: per-vertex"), Panel(draw(scene, "raytrace", samples=3), "truth")])
@@ -64,7 +64,7 @@ def subdivision() -> list[list[Panel]]:
     """Figure 6: the patches of the teapot and of the torus, each of which has a map of its own."""
     rows = []
     for name, box in (("room", (150, 190, 790, 670)), ("torus", (155, 80, 775, 545))):
-        scene = builtin.make(name)
+        scene = gallery.make(name)
         found = warps(scene, LARGE)
         patches = [warp.mesh(tuple(PATCHES[i % len(PATCHES)]), f"patch-{i}") for i, warp in enumerate(found)]
         rest = tuple(mesh for mesh in scene.meshes if not mesh.specular)
@@ -81,7 +81,7 @@ def subdivision() -> list[list[Panel]]:
 
 def continuity_of_two() -> list[list[Panel]]:
     """Figure 7: a mirror of two patches, their maps, and by how much these differ along the border."""
-    scene = builtin.make("car-mirror")
+    scene = gallery.make("car-mirror")
     options = Options(field=30.0)
     found = warps(scene, LARGE, options)
     errors = continuity(View(scene, scene.camera, LARGE), options)
@@ -115,7 +115,7 @@ def continuity_of_two() -> list[list[Panel]]:
 
 def _typical(name: str, options: Options | None = None) -> str:
     """The continuity error of a scene in words."""
-    scene = builtin.make(name)
+    scene = gallery.make(name)
     errors = continuity(View(scene, scene.camera, LARGE), options)
     found = errors.in_picture
     return f"median {found.median:.2f}, {100.0 * (errors.pixels < 1.0).mean():.0f}% < 1"
@@ -123,7 +123,7 @@ def _typical(name: str, options: Options | None = None) -> str:
 
 def curvature() -> list[list[Panel]]:
     """Figure 9: mirrors from convex over flat to concave."""
-    scene, size = builtin.make("curvature-series"), (475, 450)
+    scene, size = gallery.make("curvature-series"), (475, 450)
     plates = {
         f"R{i}": next(mesh for mesh in scene.meshes if mesh.name == f"stand-{i + 1}/label").positions.mean(axis=0)
         for i in range(len(RADII))
@@ -143,7 +143,7 @@ def curvature() -> list[list[Panel]]:
 
 def alignment() -> list[list[Panel]]:
     """Figure 10: the map of a saddle whose axes follow the principal directions of the rays, and one whose do not."""
-    scene = builtin.make("saddle")
+    scene = gallery.make("saddle")
     truth = an.render(scene, method="raytrace", size=LARGE, seen=True)
     maps = []
     for align, words in ((False, "upright"), (True, "aligned")):

@@ -9,9 +9,9 @@ from figures.panels import Panel, shrunk
 
 import anamorph as an
 from anamorph.cameras import detail_and_context, inward_sphere, multi_perspective, refracting_plane
+from anamorph.gallery.cube import CAMERA, FRONT, LEFT, cube_scene
+from anamorph.gallery.cube_mirrors import cube_in_sphere, cube_in_wavy_mirror
 from anamorph.raymesh import RayMesh
-from anamorph.scene.builtin.cube import CAMERA, FRONT, LEFT, cube_scene
-from anamorph.scene.builtin.cube_mirrors import cube_in_sphere, cube_in_wavy_mirror
 
 SQUARE = (800, 800)
 WIDE = (900, 300)

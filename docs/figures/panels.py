@@ -11,7 +11,7 @@ import numpy as np
 from PIL import Image, ImageDraw, ImageFont
 
 import anamorph as an
-from anamorph.output import to_pixels, whole_file
+from anamorph.base.output import to_pixels, whole_file
 
 GAP = 10
 """Between panels, pixels."""

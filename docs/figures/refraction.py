@@ -7,10 +7,10 @@ from dataclasses import replace
 from figures.panels import HALF, WARP, Panel, cropped, draw, outlined
 
 import anamorph as an
+from anamorph import gallery
+from anamorph.gallery.lenses import EYE, GAZE, PLUS, rim
+from anamorph.lenses.lens import worn_lens
 from anamorph.optics.dispersion import line_indices
-from anamorph.scene import builtin
-from anamorph.scene.builtin.lenses import EYE, GAZE, PLUS, rim
-from anamorph.scene.lens import worn_lens
 
 INDICES = (1.60, 1.62)
 """Of red and of blue light in Figure 15."""
@@ -65,7 +65,7 @@ def chromatic() -> tuple[an.Scene, str]:
     low, middle, high = line_indices(1.6, 60.0)
     index = red + (blue - red) * (middle - low) / (high - low)
     abbe = (index - 1.0) / (blue - red)
-    scene = builtin.make("spectacles-plus")
+    scene = gallery.make("spectacles-plus")
     lens = worn_lens(replace(PLUS, index=index, abbe=abbe), EYE, GAZE)
     rest = tuple(mesh for mesh in scene.meshes if not mesh.specular and mesh.name not in ("rim", "lens/edge"))
     mount = rim(lens, GAZE, 0.0012).mesh("rim", next(mesh for mesh in scene.meshes if mesh.name == "rim").material)

@@ -7,16 +7,16 @@ from dataclasses import dataclass
 import numpy as np
 
 import anamorph as an
+from anamorph.base.output import to_pixels
 from anamorph.frame import View
-from anamorph.gpu.atlas import MapKind
 from anamorph.gpu.device import get_device
 from anamorph.gpu.drawing import submit
 from anamorph.gpu.targets import read_texture
-from anamorph.methods.bodies import Sight
-from anamorph.methods.pervertex import Options, PerVertexDrawing
+from anamorph.methods.pervertex.atlas import MapKind
+from anamorph.methods.pervertex.bodies import Sight
+from anamorph.methods.pervertex.pervertex import Options, PerVertexDrawing
+from anamorph.methods.pervertex.warp import MapPlan
 from anamorph.methods.session import Stage
-from anamorph.methods.warp import MapPlan
-from anamorph.output import to_pixels
 
 
 @dataclass(frozen=True, eq=False)

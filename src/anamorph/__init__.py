@@ -9,19 +9,20 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from anamorph.errors import AnamorphError as AnamorphError
+    from anamorph.base.errors import AnamorphError as AnamorphError
+    from anamorph.files.models import load_model as load_model
+    from anamorph.files.opening import open_scene as open_scene
     from anamorph.frame import Frame as Frame
     from anamorph.frame import Status as Status
+    from anamorph.lenses.lens import Lens as Lens
+    from anamorph.lenses.lens import Prescription as Prescription
+    from anamorph.lenses.lens import make_lens as make_lens
+    from anamorph.lenses.lens import worn_lens as worn_lens
     from anamorph.measure.compare import compare as compare
     from anamorph.methods import METHODS as METHODS
     from anamorph.raymesh import RayMesh as RayMesh
     from anamorph.rendering import render as render
     from anamorph.scene.camera import Camera as Camera
-    from anamorph.scene.lens import Lens as Lens
-    from anamorph.scene.lens import Prescription as Prescription
-    from anamorph.scene.lens import make_lens as make_lens
-    from anamorph.scene.lens import worn_lens as worn_lens
-    from anamorph.scene.load import load_model as load_model
     from anamorph.scene.model import AmbientLight as AmbientLight
     from anamorph.scene.model import Diffuse as Diffuse
     from anamorph.scene.model import DirectionalLight as DirectionalLight
@@ -32,31 +33,30 @@ if TYPE_CHECKING:
     from anamorph.scene.model import Scene as Scene
     from anamorph.scene.model import Sky as Sky
     from anamorph.scene.model import Texture as Texture
-    from anamorph.scene.opening import open_scene as open_scene
-    from anamorph.scene.sag import EvenAsphere as EvenAsphere
-    from anamorph.scene.sag import Toroid as Toroid
-    from anamorph.scene.surfaces import BezierPatch as BezierPatch
-    from anamorph.scene.surfaces import Plane as Plane
-    from anamorph.scene.surfaces import Sphere as Sphere
+    from anamorph.surfaces.sag import EvenAsphere as EvenAsphere
+    from anamorph.surfaces.sag import Toroid as Toroid
+    from anamorph.surfaces.shapes import BezierPatch as BezierPatch
+    from anamorph.surfaces.shapes import Plane as Plane
+    from anamorph.surfaces.shapes import Sphere as Sphere
     from anamorph.viewer.backends.choice import view as view
 
 _HOMES = {
-    "anamorph.errors": ("AnamorphError",),
+    "anamorph.base.errors": ("AnamorphError",),
     "anamorph.frame": ("Frame", "Status"),
     "anamorph.measure.compare": ("compare",),
     "anamorph.methods": ("METHODS",),
     "anamorph.raymesh": ("RayMesh",),
     "anamorph.rendering": ("render",),
     "anamorph.scene.camera": ("Camera",),
-    "anamorph.scene.lens": ("Lens", "Prescription", "make_lens", "worn_lens"),
-    "anamorph.scene.load": ("load_model",),
+    "anamorph.lenses.lens": ("Lens", "Prescription", "make_lens", "worn_lens"),
+    "anamorph.files.models": ("load_model",),
     "anamorph.scene.model": (
         "AmbientLight", "Diffuse", "DirectionalLight", "Glass", "Mesh",
         "Mirror", "PointLight", "Scene", "Sky", "Texture",
     ),
-    "anamorph.scene.opening": ("open_scene",),
-    "anamorph.scene.sag": ("EvenAsphere", "Toroid"),
-    "anamorph.scene.surfaces": ("BezierPatch", "Plane", "Sphere"),
+    "anamorph.files.opening": ("open_scene",),
+    "anamorph.surfaces.sag": ("EvenAsphere", "Toroid"),
+    "anamorph.surfaces.shapes": ("BezierPatch", "Plane", "Sphere"),
     "anamorph.viewer.backends.choice": ("view",),
 }  # fmt: skip
 _HOME_OF = {name: home for home, names in _HOMES.items() for name in names}

@@ -2,13 +2,13 @@
 
 import sys
 
-from anamorph.interrupt import leave_on_interrupt
+from anamorph.base.interrupt import leave_on_interrupt
 
 
 def main() -> int:
     """Run the command line and return its exit code."""
     leave_on_interrupt()
-    from anamorph.cli import main as run
+    from anamorph.cli.commands import main as run
 
     return run()
 

@@ -9,8 +9,8 @@ from pathlib import Path
 
 import numpy as np
 
-from anamorph.errors import AnamorphError
-from anamorph.output import save_picture
+from anamorph.base.errors import AnamorphError
+from anamorph.base.output import save_picture
 from anamorph.raymesh import RayMesh
 from anamorph.scene.camera import Camera
 from anamorph.scene.model import Scene

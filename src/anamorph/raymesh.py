@@ -7,7 +7,7 @@ from enum import IntEnum
 
 import numpy as np
 
-from anamorph.errors import AnamorphError
+from anamorph.base.errors import AnamorphError
 
 LARGEST = 1e12
 """Beyond it float32, or a square, is soon at its end."""

@@ -7,7 +7,10 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from anamorph.errors import AnamorphError
+from anamorph.base.errors import AnamorphError
+from anamorph.base.steps import drain
+from anamorph.files.opening import open_scene
+from anamorph.files.scene_file import Settings
 from anamorph.frame import Frame, View
 from anamorph.methods import METHODS, Method, Session, make_options, parse
 from anamorph.methods.averaging import averaging
@@ -15,9 +18,6 @@ from anamorph.raymesh import RayMesh, check_ray_mesh
 from anamorph.scene.camera import Camera
 from anamorph.scene.checks import check_contents, check_scene
 from anamorph.scene.model import Scene
-from anamorph.scene.opening import open_scene
-from anamorph.scene.scenefile import Settings
-from anamorph.steps import drain
 
 Drawn = Callable[[int, int], None]
 """Told the shifted pictures that are drawn, and their number."""

@@ -7,9 +7,9 @@ from __future__ import annotations
 
 import numpy as np
 
+from anamorph.base.errors import AnamorphError
 from anamorph.cameras.grid import Size, checked_count, checked_number, from_grid, grid_points
 from anamorph.cameras.linear import lines_of_sight, target_distance
-from anamorph.errors import AnamorphError
 from anamorph.raymesh import RayMesh
 from anamorph.scene.camera import Camera
 

@@ -8,11 +8,11 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
+from anamorph.base.errors import AnamorphError
+from anamorph.base.vectors import Vector
 from anamorph.cameras.grid import Size, checked_count, from_grid
-from anamorph.errors import AnamorphError
 from anamorph.raymesh import RayMesh
-from anamorph.scene.camera import Vector
-from anamorph.scene.surfaces import Sphere
+from anamorph.surfaces.shapes import Sphere
 
 
 def inward_sphere(

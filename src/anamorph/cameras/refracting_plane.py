@@ -10,9 +10,9 @@ from dataclasses import replace
 
 import numpy as np
 
+from anamorph.base.errors import AnamorphError
 from anamorph.cameras.grid import Size, checked_count, checked_number, from_grid, grid_points
 from anamorph.cameras.linear import lines_of_sight, target_distance
-from anamorph.errors import AnamorphError
 from anamorph.optics.laws import refract
 from anamorph.raymesh import RayMesh, RayStatus
 from anamorph.scene.camera import Camera

@@ -1,0 +1,1 @@
+"""The graphics device: buffers, textures, passes, and the one shading function."""

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 import wgpu
 
-from anamorph.errors import AnamorphError
+from anamorph.base.errors import AnamorphError
 from anamorph.gpu.bindings import SAMPLER, STORAGE, UNIFORM, bind, layout_of, texture
 from anamorph.gpu.device import get_device, of_device
 from anamorph.gpu.textures import sky_texture, texture_array, texture_sampler

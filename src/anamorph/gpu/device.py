@@ -8,7 +8,7 @@ from collections.abc import Callable, Hashable
 from functools import lru_cache
 from typing import Any, ParamSpec, TypeVar
 
-from anamorph.errors import AnamorphError
+from anamorph.base.errors import AnamorphError
 
 # Mesa complains on stderr when this is unset, and a user can do nothing about it.
 os.environ.setdefault("XDG_RUNTIME_DIR", tempfile.gettempdir())

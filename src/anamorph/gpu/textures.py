@@ -6,10 +6,10 @@ import numpy as np
 import wgpu
 from PIL import Image
 
-from anamorph.errors import AnamorphError
+from anamorph.base.errors import AnamorphError
+from anamorph.base.srgb import decode_srgb, encode_srgb
 from anamorph.gpu.device import get_device, maximum_size, of_device_last
 from anamorph.scene.model import Texture
-from anamorph.srgb import decode_srgb, encode_srgb
 
 MEMORY = 256 * 2**20
 """Bytes that the finest level of a scene's texture array may take."""

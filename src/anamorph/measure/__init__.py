@@ -1,0 +1,1 @@
+"""How far a frame is from the truth."""

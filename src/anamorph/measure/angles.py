@@ -10,9 +10,8 @@ import math
 
 import numpy as np
 
-from anamorph.compiled import compiled
-from anamorph.optics.exact import along, cross, dot
-from anamorph.scene.camera import Vector
+from anamorph.base.compiled import compiled
+from anamorph.base.vectors import Vector, along, cross, dot
 
 RESOLUTION = 4.0 * float(np.finfo(np.float32).eps)
 """What the float32 buffers of a frame resolve, relative to the size of their coordinates."""

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from flip_evaluator import evaluate
 
-from anamorph.srgb import encode_srgb
+from anamorph.base.srgb import encode_srgb
 
 
 @dataclass(frozen=True)

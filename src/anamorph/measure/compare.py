@@ -7,6 +7,9 @@ from collections.abc import Callable, Generator, Sequence
 from dataclasses import asdict, dataclass, replace
 from typing import Any
 
+from anamorph.base.steps import Step, drain, retold
+from anamorph.base.versions import versions
+from anamorph.files.scene_file import DEFAULT_SIZE
 from anamorph.frame import Frame, View
 from anamorph.gpu.device import adapter_name
 from anamorph.measure.errors import Errors, measure
@@ -15,9 +18,6 @@ from anamorph.measure.timing import Timing, eye_path, timing_rounds
 from anamorph.methods import parse
 from anamorph.methods.protocol import Session
 from anamorph.scene.model import Scene
-from anamorph.scene.scenefile import DEFAULT_SIZE
-from anamorph.steps import Step, drain, retold
-from anamorph.versions import versions
 
 COMPETITOR = "raytrace"
 """What every time is compared with, in the same run, on the same pixels and with the same shading."""

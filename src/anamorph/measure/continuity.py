@@ -16,12 +16,12 @@ import numpy as np
 from anamorph.frame import View
 from anamorph.measure.angles import angles_between, normalized, picture_distances
 from anamorph.measure.errors import Statistics, statistics
-from anamorph.methods.inconsistency import map_lines, shown_distances
-from anamorph.methods.pervertex import Options, PerVertexDrawing
-from anamorph.methods.pictures import Picture, Seen
+from anamorph.methods.pervertex.inconsistency import map_lines, shown_distances
+from anamorph.methods.pervertex.pervertex import Options, PerVertexDrawing
+from anamorph.methods.pervertex.pictures import Picture, Seen
+from anamorph.methods.pervertex.warp import MapPlan
+from anamorph.methods.pervertex.world import World
 from anamorph.methods.session import Stage
-from anamorph.methods.warp import MapPlan
-from anamorph.methods.world import World
 
 ALONG = (np.arange(8) + 0.5) / 8.0
 """Where along an edge the error is measured, in parts of its length."""

@@ -11,11 +11,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from anamorph.errors import AnamorphError
-from anamorph.optics.exact import intersect
+from anamorph.base.errors import AnamorphError
 from anamorph.scene.model import Mesh
-from anamorph.scene.nurbs import NurbsSurface
-from anamorph.scene.placing import WORLD_UP, bounding_frame
+from anamorph.scene.pose import WORLD_UP, bounding_pose
+from anamorph.surfaces.intersection import intersect
+from anamorph.surfaces.nurbs import NurbsSurface
 
 SHARES = (1.0 / 3.0, 1.0 / 2.0, 2.0 / 3.0)
 
@@ -58,7 +58,7 @@ def principal_radii(mesh: Mesh) -> np.ndarray:
 def mirror_radii(mesh: Mesh) -> MirrorRadii:
     """The mean radius of a mirror, and how far it is from one radius everywhere."""
     surface, parameters = _nurbs(mesh)
-    frame = bounding_frame((mesh,), WORLD_UP, f"mirror '{mesh.name}'")
+    frame = bounding_pose((mesh,), WORLD_UP, f"mirror '{mesh.name}'")
     vertices = (surface.position(parameters) - frame.center) @ frame.axes.T
     size = np.ptp(vertices, axis=0)
     longer = int(size[1] > size[0])

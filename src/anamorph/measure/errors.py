@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from anamorph.errors import AnamorphError
+from anamorph.base.errors import AnamorphError
 from anamorph.frame import Frame
 from anamorph.measure.colors import color_errors
 from anamorph.measure.pixel_errors import NOTHING, pixel_errors

@@ -7,8 +7,8 @@ from functools import cache
 
 import numpy as np
 
+from anamorph.base.srgb import encode_srgb
 from anamorph.measure.errors import ErrorMaps
-from anamorph.srgb import encode_srgb
 
 VIRIDIS = ("#440154", "#472d7b", "#3b528b", "#2c728e", "#21918c", "#28ae80", "#5ec962", "#addc30", "#fde725")
 """Evenly spaced colours of the viridis map: equal steps look equal, also in grey and to the colour-blind."""

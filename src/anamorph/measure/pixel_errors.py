@@ -6,10 +6,9 @@ import math
 
 import numpy as np
 
-from anamorph.compiled import compiled, inlined, over_all_cores
+from anamorph.base.compiled import compiled, inlined, over_all_cores
+from anamorph.base.vectors import Vector, along, dot
 from anamorph.measure.angles import angle_between, length, picture_distance, unit_or_zero
-from anamorph.optics.exact import along, dot
-from anamorph.scene.camera import Vector
 
 ROWS = 16
 """Of the picture, that one core takes at a time."""

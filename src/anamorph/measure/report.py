@@ -9,11 +9,11 @@ from string import Template
 
 import numpy as np
 
+from anamorph.base.output import pixel_bytes, to_pixels
 from anamorph.measure.compare import Comparison, MethodResult
 from anamorph.measure.figures import number, rows_of
 from anamorph.measure.heatmap import MILLIRADIANS, VIRIDIS, heat_map
 from anamorph.measure.status import status_shares
-from anamorph.output import pixel_bytes, to_pixels
 
 MARGIN = 12
 """Pixels that are shown around the specular surfaces."""

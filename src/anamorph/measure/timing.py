@@ -9,10 +9,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from anamorph.base.steps import drain
 from anamorph.methods.protocol import Session
 from anamorph.scene.camera import Camera
 from anamorph.scene.model import Scene
-from anamorph.steps import drain
 
 WARM_UP = 3
 """Frames that are drawn but not counted: shaders are compiled at their first use."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 import dataclasses
 from typing import Any
 
-from anamorph.errors import AnamorphError, nearest
+from anamorph.base.errors import AnamorphError, nearest
 from anamorph.methods import environment, pervertex, raytrace, trilinear
 from anamorph.methods.protocol import Method, Session
 

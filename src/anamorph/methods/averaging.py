@@ -8,11 +8,11 @@ from itertools import product
 
 import numpy as np
 
-from anamorph.errors import AnamorphError
+from anamorph.base.errors import AnamorphError
+from anamorph.base.steps import retold
 from anamorph.methods.protocol import Session, drawing
 from anamorph.raymesh import RayMesh
 from anamorph.scene.camera import Camera
-from anamorph.steps import retold
 
 MAXIMUM_SAMPLES = 32
 

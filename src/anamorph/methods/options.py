@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from anamorph.errors import AnamorphError
+from anamorph.base.errors import AnamorphError
 
 LIMITS = "limits"
 

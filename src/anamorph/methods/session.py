@@ -11,7 +11,8 @@ from typing import Any, Protocol
 import numpy as np
 import wgpu
 
-from anamorph.errors import AnamorphError
+from anamorph.base.errors import AnamorphError
+from anamorph.base.steps import drain, timed
 from anamorph.frame import Frame, Status, View
 from anamorph.gpu.buffers import SceneBuffers, pack_vertices, upload_scene, upload_vertices
 from anamorph.gpu.device import get_device, maximum_size
@@ -40,7 +41,6 @@ from anamorph.projection import camera_projection
 from anamorph.raymesh import RayMesh
 from anamorph.scene.camera import Camera
 from anamorph.scene.geometry import Geometry, flatten
-from anamorph.steps import drain, timed
 
 
 class SpecularDrawing(Protocol):

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from anamorph.errors import AnamorphError
+from anamorph.base.errors import AnamorphError
 
 C_LINE, D_LINE, F_LINE = 656.27, 587.56, 486.13
 """Wavelengths in nm: red (hydrogen), yellow (helium), blue (hydrogen)."""

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from anamorph.errors import AnamorphError
+from anamorph.base.errors import AnamorphError
 from anamorph.optics.laws import reflect
 from anamorph.raymesh import RayMesh, RayStatus
 from anamorph.scene.camera import Eye

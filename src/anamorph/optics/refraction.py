@@ -10,13 +10,13 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from anamorph.errors import AnamorphError
+from anamorph.base.errors import AnamorphError
 from anamorph.optics.dispersion import line_indices
-from anamorph.optics.exact import meet_all, pack
 from anamorph.optics.laws import fresnel, refract
 from anamorph.raymesh import RayMesh, RayStatus
 from anamorph.scene.camera import Eye
 from anamorph.scene.model import Glass, Mesh
+from anamorph.surfaces.intersection import meet_all, pack
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,7 +61,7 @@ def refractor(near: Mesh, far: Mesh) -> Refractor:
     Parameters
     ----------
     near, far : Mesh
-        The two faces of a round lens from `scene/lens.py`: the one that the eye sees, and the other.
+        The two faces of a round lens from `lenses/lens.py`: the one that the eye sees, and the other.
     """
     glass = near.material
     if not isinstance(glass, Glass) or not isinstance(far.material, Glass):

@@ -10,7 +10,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from anamorph.errors import AnamorphError
+from anamorph.base.errors import AnamorphError
 from anamorph.optics.laws import reflect, refract
 from anamorph.scene.camera import Camera
 from anamorph.scene.model import Glass, Material, Mesh, Scene

@@ -1,0 +1,1 @@
+"""What is there: meshes, materials, lights, the eye."""

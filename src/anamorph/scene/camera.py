@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-Vector = tuple[float, float, float]
+from anamorph.base.vectors import Vector
 
 
 @dataclass(frozen=True, eq=False)

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 from trimesh.triangles import closest_point
 
-from anamorph.errors import AnamorphError
+from anamorph.base.errors import AnamorphError
 from anamorph.scene.camera import Camera
 from anamorph.scene.model import (
     AmbientLight,

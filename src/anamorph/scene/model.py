@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from anamorph.scene.camera import Camera
-from anamorph.scene.surfaces import Surface
+from anamorph.surfaces.shapes import Surface
 
 Color = tuple[float, float, float]
 WHITE: Color = (1.0, 1.0, 1.0)

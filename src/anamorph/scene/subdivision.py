@@ -6,10 +6,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from anamorph.errors import AnamorphError
+from anamorph.base.errors import AnamorphError
 from anamorph.scene.model import Mesh
-from anamorph.scene.nurbs import NurbsSurface
-from anamorph.scene.surfaces import BezierPatch, Sphere, Surface
+from anamorph.surfaces.nurbs import NurbsSurface
+from anamorph.surfaces.shapes import BezierPatch, Sphere, Surface
 
 MOST_LEVELS = 8
 

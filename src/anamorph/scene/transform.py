@@ -6,11 +6,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from anamorph.errors import AnamorphError
+from anamorph.base.errors import AnamorphError
 from anamorph.scene.model import Mesh
-from anamorph.scene.nurbs import NurbsSurface
-from anamorph.scene.sag import EvenAsphere, Toroid
-from anamorph.scene.surfaces import BezierPatch, Plane, Sphere, Surface
+from anamorph.surfaces.nurbs import NurbsSurface
+from anamorph.surfaces.sag import EvenAsphere, Toroid
+from anamorph.surfaces.shapes import BezierPatch, Plane, Sphere, Surface
 
 
 @dataclass(frozen=True, eq=False)

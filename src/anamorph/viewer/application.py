@@ -13,7 +13,7 @@ import numpy as np
 import wgpu
 from rendercanvas.base import BaseRenderCanvas
 
-from anamorph.errors import AnamorphError
+from anamorph.base.errors import AnamorphError
 from anamorph.gpu.device import adapter_name, forget_lost_device
 from anamorph.projection import camera_projection
 from anamorph.scene.model import Scene

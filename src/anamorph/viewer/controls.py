@@ -14,15 +14,15 @@ from typing import Any
 
 import numpy as np
 
-from anamorph.errors import AnamorphError, nearest
+from anamorph.base.errors import AnamorphError, nearest
+from anamorph.editing.arching import arch_of
+from anamorph.editing.bending import bend_of
+from anamorph.editing.edit import Edit, edit, lens_of
+from anamorph.editing.grinding import USUAL, index_limits, optics_of, power_limits
 from anamorph.methods.options import limits_of, summaries
 from anamorph.methods.protocol import Method
-from anamorph.scene.arching import arch_of
-from anamorph.scene.bending import bend_of
 from anamorph.scene.camera import Camera
 from anamorph.scene.checks import check_camera
-from anamorph.scene.editing import Edit, edit, lens_of
-from anamorph.scene.grinding import USUAL, index_limits, optics_of, power_limits
 from anamorph.scene.model import Glass, Mesh, Mirror, Scene
 from anamorph.scene.parts import specular_parts
 

@@ -6,7 +6,7 @@ import logging
 
 import wgpu
 
-from anamorph.errors import AnamorphError
+from anamorph.base.errors import AnamorphError
 
 LONGEST = 200
 """Letters of what a library says; the rest is in the log."""

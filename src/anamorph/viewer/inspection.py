@@ -6,11 +6,11 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from anamorph.errors import AnamorphError
+from anamorph.base.errors import AnamorphError
 from anamorph.frame import Frame
 from anamorph.measure.errors import ErrorMaps
 from anamorph.measure.status import STATUS_NAMES
-from anamorph.methods.paths import PathTracer
+from anamorph.methods.tracing.paths import PathTracer
 from anamorph.scene.camera import Camera
 from anamorph.scene.model import Scene
 from anamorph.viewer.facts import Inspection, Stop, Vector

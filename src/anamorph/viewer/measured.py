@@ -11,7 +11,7 @@ from functools import cache
 
 import numpy as np
 
-from anamorph.errors import AnamorphError
+from anamorph.base.errors import AnamorphError
 from anamorph.frame import Frame, Status
 from anamorph.measure.errors import ErrorMaps, error_maps, geometry_statistics
 from anamorph.measure.heatmap import MILLIRADIANS, PIXELS, Scale, faint, heat_layer, opaque, packed

@@ -11,7 +11,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from anamorph.scene.camera import Camera, Vector
+from anamorph.base.vectors import Vector
+from anamorph.scene.camera import Camera
 from anamorph.viewer.state import State
 
 STEEPEST = np.radians(89.0)

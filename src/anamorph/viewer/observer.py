@@ -7,10 +7,11 @@ from itertools import product
 
 import numpy as np
 
-from anamorph.methods.environment import reflectors
+from anamorph.base.vectors import Vector
+from anamorph.methods.environment.environment import reflectors
 from anamorph.optics.laws import reflect
-from anamorph.rays import Caster
-from anamorph.scene.camera import Camera, Vector
+from anamorph.rays.caster import Caster
+from anamorph.scene.camera import Camera
 from anamorph.scene.geometry import flatten
 from anamorph.scene.model import Glass, Scene
 

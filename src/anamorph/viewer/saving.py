@@ -10,13 +10,13 @@ from pathlib import Path
 
 import numpy as np
 
-from anamorph import output
+from anamorph.base import output
+from anamorph.files.view_file import Opened, save_view
 from anamorph.gpu.drawing import wait
 from anamorph.measure.compare import comparison_steps
 from anamorph.measure.report import report_page
 from anamorph.scene.checks import check_scene
 from anamorph.scene.model import Scene
-from anamorph.scene.viewfile import Opened, save_view
 from anamorph.viewer.controls import edited, part_edits
 from anamorph.viewer.facts import Progress
 from anamorph.viewer.state import State

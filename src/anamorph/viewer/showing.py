@@ -10,10 +10,10 @@ from time import perf_counter
 
 import numpy as np
 
+from anamorph.base.steps import retold, timed
 from anamorph.frame import Frame
 from anamorph.scene.camera import Camera
 from anamorph.scene.model import Scene
-from anamorph.steps import retold, timed
 from anamorph.viewer.compose import LayerTexture, Shown
 from anamorph.viewer.fluency import COARSEST, SCALES, Fluency, scaled
 from anamorph.viewer.measured import Measured, error_layer, measure_half, status_layer

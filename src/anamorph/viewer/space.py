@@ -12,13 +12,14 @@ from functools import cached_property
 
 import numpy as np
 
-from anamorph.errors import AnamorphError
-from anamorph.methods import parse, pervertex
-from anamorph.methods.bodies import Body, bodies_of, see
-from anamorph.methods.division import seen_faces
-from anamorph.methods.pictures import PictureOptions, Seen, plan_patches
-from anamorph.methods.warp import MapPlan, PlanOptions
-from anamorph.methods.world import World, world_of
+from anamorph.base.errors import AnamorphError
+from anamorph.methods import parse
+from anamorph.methods.pervertex import pervertex
+from anamorph.methods.pervertex.bodies import Body, bodies_of, see
+from anamorph.methods.pervertex.division import seen_faces
+from anamorph.methods.pervertex.pictures import PictureOptions, Seen, plan_patches
+from anamorph.methods.pervertex.warp import MapPlan, PlanOptions
+from anamorph.methods.pervertex.world import World, world_of
 from anamorph.projection import Projection
 from anamorph.raymesh import RayStatus
 from anamorph.scene.camera import Camera

@@ -5,14 +5,14 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from anamorph.errors import AnamorphError
+from anamorph.base.errors import AnamorphError
+from anamorph.files.scene_file import Settings
+from anamorph.files.sources import source_in
+from anamorph.files.view_file import Opened, Source, open_view
 from anamorph.methods import METHODS, parse
 from anamorph.scene.camera import Camera
 from anamorph.scene.checks import check_scene
 from anamorph.scene.model import Scene
-from anamorph.scene.scenefile import Settings
-from anamorph.scene.sources import source_in
-from anamorph.scene.viewfile import Opened, Source, open_view
 from anamorph.viewer.home import Home
 from anamorph.viewer.state import Half, State
 from anamorph.viewer.views import state_of

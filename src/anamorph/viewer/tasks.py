@@ -8,9 +8,9 @@ from pathlib import Path
 
 import numpy as np
 
+from anamorph.files.view_file import Opened
 from anamorph.scene.camera import Camera
 from anamorph.scene.model import Scene
-from anamorph.scene.viewfile import Opened
 from anamorph.viewer.facts import Progress, Request
 from anamorph.viewer.saving import Saving, comparison_page, free_name, save_picture, save_scene
 from anamorph.viewer.showing import Showing

@@ -10,15 +10,15 @@ from pathlib import Path
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from anamorph.errors import AnamorphError
+from anamorph.base.errors import AnamorphError
+from anamorph.base.output import to_pixels
+from anamorph.base.steps import retold
+from anamorph.base.video import MOST_FRAMES, check_video, video
 from anamorph.frame import View
 from anamorph.methods import parse
 from anamorph.methods.averaging import averaging
-from anamorph.output import to_pixels
 from anamorph.scene.camera import Camera
 from anamorph.scene.model import Scene
-from anamorph.steps import retold
-from anamorph.video import MOST_FRAMES, check_video, video
 from anamorph.viewer.facts import Progress
 from anamorph.viewer.remembered import LEAST
 from anamorph.viewer.saving import Saving, saved

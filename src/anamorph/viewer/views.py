@@ -8,15 +8,15 @@ from typing import Any
 
 import numpy as np
 
-from anamorph.errors import AnamorphError
+from anamorph.base.errors import AnamorphError
+from anamorph.editing.edit import Edit
+from anamorph.files.scene_file import camera_of
+from anamorph.files.tables import Table
+from anamorph.files.view_file import Opened, eye_values
 from anamorph.methods import parse
 from anamorph.methods.averaging import MAXIMUM_SAMPLES
 from anamorph.scene.camera import Camera
 from anamorph.scene.checks import check_camera
-from anamorph.scene.editing import Edit
-from anamorph.scene.scenefile import camera_of
-from anamorph.scene.tables import Table
-from anamorph.scene.viewfile import Opened, eye_values
 from anamorph.viewer.controls import MOVES, SHAPES, TURNS
 from anamorph.viewer.state import TRUTH, Drawing, EyeSide, Half, Layer, State
 

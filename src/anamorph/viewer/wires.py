@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from anamorph.methods.bodies import connected_mirrors, welded
+from anamorph.scene.connected import connected_mirrors, welded
 from anamorph.scene.model import Glass, Scene
 
 

@@ -17,7 +17,7 @@ import uvicorn
 from rendercanvas import http
 from rendercanvas.http import HttpRenderCanvas, asgi, loop
 
-from anamorph.errors import AnamorphError
+from anamorph.base.errors import AnamorphError
 from anamorph.viewer.application import Viewer
 from anamorph.viewer.backends.gate import Content, Gate
 from anamorph.viewer.backends.stream import LONGEST_MESSAGE, bounded

@@ -6,9 +6,9 @@ import dataclasses
 from pathlib import Path
 from typing import Any
 
+from anamorph.files.opening import open_scene
 from anamorph.scene.camera import Camera
 from anamorph.scene.model import Scene
-from anamorph.scene.opening import open_scene
 from anamorph.viewer.backends.desktop import SIZE, has_display, open_window
 from anamorph.viewer.backends.notebook import in_notebook, make_widget
 from anamorph.viewer.starting import Start, start

@@ -9,7 +9,7 @@ import sys
 import warnings
 from contextlib import suppress
 
-from anamorph.errors import AnamorphError
+from anamorph.base.errors import AnamorphError
 from anamorph.viewer.fluency import MOST_PICTURES
 from anamorph.viewer.starting import Start
 

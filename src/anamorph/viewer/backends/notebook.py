@@ -5,7 +5,7 @@ from __future__ import annotations
 import sys
 from typing import Any
 
-from anamorph.errors import AnamorphError
+from anamorph.base.errors import AnamorphError
 from anamorph.gpu.device import get_device
 from anamorph.viewer.application import Later, Viewer
 from anamorph.viewer.fluency import MOST_PICTURES

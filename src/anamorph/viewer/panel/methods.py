@@ -7,7 +7,7 @@ from dataclasses import fields, replace
 from functools import lru_cache
 from typing import Any
 
-from anamorph.errors import AnamorphError
+from anamorph.base.errors import AnamorphError
 from anamorph.methods import METHODS, Method, parse
 from anamorph.scene.model import Scene
 from anamorph.scene.parts import specular_parts

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 from imgui_bundle import imgui
 
-from anamorph.scene.builtin import SCENES
+from anamorph.gallery import SCENES
 from anamorph.viewer.facts import Facts
 from anamorph.viewer.panel import theme
 from anamorph.viewer.panel.sheet import Sheet, button, caption, field_width, shortened, tip

@@ -6,7 +6,7 @@ from dataclasses import replace
 from functools import lru_cache, partial
 from itertools import groupby
 
-from anamorph.errors import AnamorphError
+from anamorph.base.errors import AnamorphError
 from anamorph.scene.camera import Camera
 from anamorph.viewer.controls import Control, eye_controls, reading, scene_controls, with_eye
 from anamorph.viewer.facts import Facts

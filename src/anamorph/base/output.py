@@ -1,0 +1,152 @@
+"""Writing results: every file appears whole or not at all."""
+
+from __future__ import annotations
+
+import io
+import os
+import shutil
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any, BinaryIO
+
+import numpy as np
+from PIL import Image
+
+from anamorph.base.errors import AnamorphError
+from anamorph.base.interrupt import on_interrupt
+from anamorph.base.srgb import encode_srgb
+
+PICTURES = (".png", ".jpg", ".jpeg", ".webp", ".npy")
+"""Suffixes of picture files: 8-bit sRGB, but `.npy`, which keeps the linear floats."""
+
+
+def check_output(path: str | Path, suffixes: tuple[str, ...] = ()) -> Path:
+    """Refuse a path that could not be written, before any work is done for it.
+
+    Raises
+    ------
+    AnamorphError
+        An unknown suffix, a directory that is missing or read-only, or something in the way that is no plain file.
+    """
+    path = Path(path)
+    if suffixes and path.suffix.lower() not in suffixes:
+        raise AnamorphError(f"{path}: cannot write '{path.suffix}' files; end the name in {', '.join(suffixes)}")
+    directory = path.resolve().parent
+    if not directory.is_dir():
+        raise AnamorphError(f"{path}: there is no directory {directory}; make it first")
+    if not os.access(directory, os.W_OK):
+        raise AnamorphError(f"{path}: the directory {directory} cannot be written; choose another")
+    if path.exists() and not path.is_file():
+        raise AnamorphError(f"{path}: is there already and is not a plain file; choose another name")
+    return path
+
+
+def check_directory(path: Path) -> None:
+    """Refuse a directory that could neither be made nor written to, before any work is done for it."""
+    if not path.is_dir():
+        check_output(path)
+        if path.exists():
+            raise AnamorphError(f"{path}: is there already and is no directory; choose another name")
+    elif not os.access(path, os.W_OK):
+        raise AnamorphError(f"{path}: the directory cannot be written; choose another")
+
+
+@contextmanager
+def whole_file(path: str | Path) -> Iterator[BinaryIO]:
+    """A binary file that takes its name only when the block ends well, and leaves nothing behind when it does not."""
+    path = check_output(path).resolve()
+    unfinished = path.with_name(f".{path.name}.{os.getpid()}.part")
+    try:
+        with on_interrupt(unfinished.unlink):
+            with open(unfinished, "wb") as file:
+                yield file
+            os.replace(unfinished, path)
+    except OSError as error:
+        raise _unwritten(path, error) from error
+    finally:
+        unfinished.unlink(missing_ok=True)
+
+
+@contextmanager
+def whole_folder(path: str | Path) -> Iterator[Path]:
+    """An empty folder that takes its name only when the block ends well, and is gone with all in it when it does not.
+
+    A folder of that name must be empty, or not there.
+    """
+    path = check_folder(Path(path)).resolve()
+    unfinished = path.with_name(f".{path.name}.{os.getpid()}.part")
+
+    def remove() -> None:
+        shutil.rmtree(unfinished, ignore_errors=True)
+
+    try:
+        with on_interrupt(remove):
+            unfinished.mkdir()
+            yield unfinished
+            if path.is_dir():
+                path.rmdir()
+            os.replace(unfinished, path)
+    except OSError as error:
+        raise _unwritten(path, error) from error
+    finally:
+        remove()
+
+
+def check_folder(path: Path) -> Path:
+    """Refuse a name that no new folder could take, before any work is done for it."""
+    if path.is_dir() and any(path.iterdir()):
+        raise AnamorphError(f"{path}: is there already and holds files; give a new folder")
+    if path.is_dir():
+        check_directory(path)
+    elif path.exists():
+        raise AnamorphError(f"{path}: is there already and is no directory; choose another name")
+    else:
+        check_output(path)
+    return path
+
+
+def _unwritten(path: Path, error: OSError) -> AnamorphError:
+    reason = error.strerror or error
+    return AnamorphError(f"{path}: cannot be written ({reason}); free space or choose another")
+
+
+def save_text(path: str | Path, text: str) -> None:
+    """Write `text` as UTF-8."""
+    with whole_file(path) as file:
+        file.write(text.encode())
+
+
+def save_array(path: str | Path, array: np.ndarray) -> None:
+    """Write `array` as a `.npy` file."""
+    check_output(path, (".npy",))
+    with whole_file(path) as file:
+        np.save(file, array, allow_pickle=False)
+
+
+def save_picture(path: str | Path, color: np.ndarray) -> None:
+    """Write linear colour (H, W, 3) in the format that the suffix names, one of `PICTURES`."""
+    path = check_output(path, PICTURES)
+    if path.suffix.lower() == ".npy":
+        save_array(path, color)
+        return
+    encoded = pixel_bytes(to_pixels(color), path.suffix)
+    with whole_file(path) as file:
+        file.write(encoded)
+
+
+def to_pixels(color: np.ndarray) -> np.ndarray:
+    """Linear colour (H, W, 3) as 8-bit sRGB pixels (H, W, 3)."""
+    if not np.isfinite(color).all():
+        raise AnamorphError("the picture holds values that are not finite; please report the scene that made them")
+    return np.round(255.0 * encode_srgb(color)).astype(np.uint8)
+
+
+def pixel_bytes(pixels: np.ndarray, suffix: str = ".png") -> bytes:
+    """8-bit sRGB pixels (H, W, 3) as the bytes of a picture file."""
+    jpeg: dict[str, Any] = {"format": "JPEG", "quality": 95, "subsampling": 0}
+    webp: dict[str, Any] = {"format": "WEBP", "quality": 95}
+    settings = {".png": {"format": "PNG"}, ".jpg": jpeg, ".jpeg": jpeg, ".webp": webp}[suffix.lower()]
+    file = io.BytesIO()
+    Image.fromarray(pixels).save(file, **settings)
+    return file.getvalue()

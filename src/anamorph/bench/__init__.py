@@ -1,0 +1,1 @@
+"""Measurements that take minutes: tables of papers made again, and our own."""

@@ -1,0 +1,277 @@
+"""The command `anamorph`: reads its arguments, calls the package, prints.
+
+Modules that draw are imported by the commands that need them, so that help and errors of usage come at once.
+"""
+
+from __future__ import annotations
+
+import argparse
+import os
+import shlex
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+
+from anamorph.base.errors import AnamorphError
+from anamorph.base.output import PICTURES, check_directory, check_output, save_array, save_text
+from anamorph.base.progress import progress_bar
+from anamorph.base.quiet import heed, hush
+from anamorph.base.versions import versions
+from anamorph.cli.arguments import make_parser
+from anamorph.files.sources import face_choice
+
+NOTEWORTHY = 0.005
+"""The share of a picture's mirrors without an answer that a user is told of."""
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Run one command and return the exit code: 0, 2 for what the user can mend, 130 when interrupted."""
+    hush()
+    given = list(sys.argv[1:] if argv is None else argv)
+    try:
+        arguments = make_parser().parse_args(given)
+        arguments.command_line = shlex.join(["anamorph", *given])
+        COMMANDS[arguments.run](arguments)
+        sys.stdout.flush()
+    except AnamorphError as error:
+        return _fail(str(error), 2)
+    except MemoryError:
+        return _fail("not enough memory; choose a smaller --size or scene", 2)
+    except KeyboardInterrupt:
+        return _fail("interrupted; files that are there are whole", 130)
+    except BrokenPipeError:
+        # whoever read the output has enough; Python must not complain about it again at exit
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return 141
+    except OSError as error:
+        return _fail(f"{error.filename or 'system'}: {error.strerror or error}; check the path and its permissions", 2)
+    except Exception as error:
+        if not _of_device(error):
+            raise
+        said = " ".join(str(error).split())
+        return _fail(f"the graphics device failed ({said[:200]}); try a smaller --size, or another driver", 2)
+    return 0
+
+
+def _of_device(error: Exception) -> bool:
+    """Whether the device refused or was lost; wgpu is not imported for the question."""
+    wgpu = sys.modules.get("wgpu")
+    return wgpu is not None and isinstance(error, (wgpu.GPUError, wgpu.GPUPipelineError))
+
+
+def _fail(message: str, code: int) -> int:
+    print(f"anamorph: error: {' '.join(message.split())}", file=sys.stderr)
+    return code
+
+
+def _render(arguments: argparse.Namespace) -> None:
+    check_output(arguments.output, PICTURES)
+    for _, path in arguments.seen:
+        check_output(path, (".npy",))
+    _check_distinct(arguments.output, *(path for _, path in arguments.seen))
+    from anamorph.files.opening import open_scene
+    from anamorph.frame import View
+    from anamorph.measure.status import gaps, status_shares
+    from anamorph.methods import parse, with_option
+    from anamorph.rendering import draw_frame
+
+    if arguments.method:
+        parse(arguments.method)
+    what = f"rendering {arguments.scene}"
+    with progress_bar(what) as tell:
+        scene, settings = open_scene(arguments.scene, face_choice(arguments), arguments.mirror_of)
+        size = arguments.size or settings.size
+        view = View(scene, scene.camera, size, samples=arguments.samples)
+        specification = arguments.method or settings.method
+        if arguments.tolerance is not None:
+            method, options = parse(specification)
+            if not hasattr(options, "tolerance"):
+                raise AnamorphError(f"--tolerance: {method.name} has none; leave it out, or give -m pervertex")
+            specification = with_option(specification, "tolerance", arguments.tolerance)
+
+        def drawn(done: int, total: int) -> None:
+            tell(done, total, f"{what}, picture {done} of {total}" if total > 1 else what)
+
+        frame = draw_frame(view, specification, True, drawn)
+    frame.save(arguments.output)
+    for name, path in arguments.seen:
+        save_array(path, getattr(frame, name))
+    if arguments.tolerance is not None and frame.specular is not None:
+        print(_shares(status_shares(frame, frame.specular > 0)))
+    lost, ended = gaps(frame, scene)
+    if lost + ended > NOTEWORTHY:
+        share = f"{100.0 * (lost + ended):.0f}% of the pixels of mirrors and lenses"
+        why = "lead to one more mirror or lens" if ended > lost else "have no place in a map"
+        print(
+            f"anamorph: note: {share} {why} and show the sky; try {_remedy(specification, ended > lost)}",
+            file=sys.stderr,
+        )
+
+
+def _compare(arguments: argparse.Namespace) -> None:
+    outputs = [path for path in (arguments.json, arguments.html) if path]
+    for path in outputs:
+        check_output(path)
+    _check_distinct(*outputs)
+    from anamorph.files.opening import open_scene
+    from anamorph.measure.compare import compare
+    from anamorph.measure.report import report_page
+    from anamorph.measure.table import comparison_table, print_table
+    from anamorph.methods import METHODS, parse, with_option
+
+    for spec in arguments.method or ():
+        parse(spec)
+    with progress_bar(f"opening {arguments.scene}") as tell:
+        scene, settings = open_scene(arguments.scene, face_choice(arguments), arguments.mirror_of)
+        size = arguments.size or settings.size
+        able = [name for name, method in METHODS.items() if method.refracts or not scene.refracts]
+        specs = arguments.method or able
+        for number, spec in enumerate(specs):
+            if arguments.tolerance is not None and hasattr(parse(spec)[0].options, "tolerance"):
+                specs[number] = with_option(spec, "tolerance", arguments.tolerance)
+        comparison = compare(scene, specs, size, command=arguments.command_line, progress=tell)
+    if arguments.json:
+        save_text(arguments.json, comparison.to_json())
+    if arguments.html:
+        save_text(arguments.html, report_page(comparison))
+    print_table(comparison_table(comparison))
+
+
+def _view(arguments: argparse.Namespace) -> None:
+    from anamorph.files.view_file import Source
+    from anamorph.methods import parse
+    from anamorph.viewer.backends.choice import show
+    from anamorph.viewer.starting import start
+
+    if arguments.method:
+        parse(arguments.method)
+    with progress_bar(f"opening {arguments.scene}"):
+        source = Source(arguments.scene, face_choice(arguments), arguments.mirror_of)
+        beginning = start(source, arguments.method)
+    heed("uvicorn")
+    show(beginning, arguments.backend, arguments.port, arguments.size)
+
+
+def _turntable(arguments: argparse.Namespace) -> None:
+    from anamorph.cli.turntable import save_turntable
+
+    told = save_turntable(
+        arguments.scene,
+        arguments.output,
+        arguments.method,
+        arguments.size,
+        arguments.frames,
+        arguments.swing,
+        arguments.path,
+        arguments.samples,
+        choice=face_choice(arguments),
+        mirror_of=arguments.mirror_of,
+    )
+    print(told)
+
+
+def _bench_deforming(arguments: argparse.Namespace) -> None:
+    from anamorph.bench.deforming import DEFAULT, deforming_table, time_deforming
+    from anamorph.files.scene_file import DEFAULT_SIZE
+    from anamorph.measure.table import print_table
+    from anamorph.methods import parse
+
+    for spec in arguments.method or ():
+        parse(spec)
+    what = "timing deforming"
+    with progress_bar(what) as tell:
+        times = time_deforming(
+            arguments.method or DEFAULT,
+            arguments.size or DEFAULT_SIZE,
+            arguments.frames,
+            lambda done, total: tell(done, total, what),
+        )
+    print_table(deforming_table(times))
+
+
+def _bench_trilinear(arguments: argparse.Namespace) -> None:
+    from anamorph.bench.thesis.benchmark import FULL, PARTS, QUICK, measure_thesis, write_results
+    from anamorph.bench.thesis.plots import INSTALL, can_plot
+    from anamorph.bench.thesis.summary import exact_over_straight, summary_tables
+    from anamorph.measure.table import print_table
+
+    check_directory(arguments.output)
+    with progress_bar("timing trilinear projection") as tell:
+        extent = QUICK if arguments.quick else FULL
+        results = measure_thesis(arguments.method, extent, arguments.part or PARTS, tell)
+    written = write_results(results, arguments.output)
+    for table in summary_tables(results):
+        print_table(table)
+    if said := exact_over_straight(results):
+        print(said)
+    print(f"{len(written)} files are in {arguments.output}")
+    if not can_plot():
+        print(f"anamorph: note: no plots without matplotlib; pip install '{INSTALL}'", file=sys.stderr)
+
+
+def _scenes(arguments: argparse.Namespace) -> None:
+    from anamorph.gallery import SCENES
+
+    for scene in SCENES.values():
+        print(f"{scene.name:16} {scene.summary}")
+
+
+def _info(arguments: argparse.Namespace) -> None:
+    from anamorph.gpu.device import adapter_name
+    from anamorph.methods import METHODS
+
+    facts = {"adapter": adapter_name(), **versions(), "methods": ", ".join(METHODS)}
+    for name, value in facts.items():
+        print(f"{name:12} {value}")
+
+
+def _demo(arguments: argparse.Namespace) -> None:
+    from anamorph.cli.demo import make_demo
+    from anamorph.measure.table import comparison_table, print_table
+
+    with progress_bar("starting") as tell:
+        comparison = make_demo(arguments.output, arguments.command_line, tell)
+    print_table(comparison_table(comparison))
+    print(f"Pictures and the page are in {arguments.output}; open {arguments.output / 'index.html'}")
+
+
+def _remedy(specification: str, ended: bool) -> str:
+    """What to ask for where pixels got no answer: more bounces if most paths `ended`, or tracing."""
+    from anamorph.methods import parse
+    from anamorph.methods.pervertex.pervertex import MAXIMUM_BOUNCES
+
+    method, options = parse(specification)
+    if method.name != "pervertex":
+        return f"-m {method.name}:bounces={min(2 * max(options.bounces, 1), 255)}"
+    if options.tolerance > 0.0:
+        return f"-m raytrace:bounces={2 * MAXIMUM_BOUNCES}"
+    if ended and options.bounces < MAXIMUM_BOUNCES:
+        return f"more bounces than {options.bounces}, as -m pervertex:bounces={MAXIMUM_BOUNCES}, or --tolerance 0.5"
+    return "--tolerance 0.5"
+
+
+def _shares(shares: dict[str, float]) -> str:
+    """How the pixels of mirrors and lenses got their value, in one line."""
+    told = ", ".join(f"{status} {share:.1f} %" for status, share in shares.items())
+    return f"pixels of mirrors and lenses: {told or 'none'}"
+
+
+def _check_distinct(*paths: Path) -> None:
+    places = [path.resolve() for path in paths]
+    for path in paths:
+        if places.count(path.resolve()) > 1:
+            raise AnamorphError(f"{path}: is asked for twice; give every output its own name")
+
+
+COMMANDS = {
+    "render": _render,
+    "compare": _compare,
+    "view": _view,
+    "turntable": _turntable,
+    "bench deforming": _bench_deforming,
+    "bench trilinear": _bench_trilinear,
+    "scenes": _scenes,
+    "info": _info,
+    "demo": _demo,
+}
+"""What runs, by the name that the arguments give it."""

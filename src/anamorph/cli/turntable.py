@@ -1,0 +1,67 @@
+"""The command `anamorph turntable`: a video of the eye going round what it looks at, or from view to view."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from anamorph.base.errors import AnamorphError
+from anamorph.base.progress import progress_bar
+from anamorph.base.steps import drain
+from anamorph.base.video import check_video
+from anamorph.files.cad import FaceChoice
+from anamorph.files.opening import open_scene
+from anamorph.files.scene_file import Settings
+from anamorph.methods import parse
+from anamorph.scene.camera import Camera
+from anamorph.scene.model import Scene
+from anamorph.viewer.facts import Progress
+from anamorph.viewer.remembered import LEAST
+from anamorph.viewer.turntable import FRAMES, RATE, between, orbit, turntable
+from anamorph.viewer.views import views_of
+
+
+def save_turntable(
+    source: str,
+    output: Path,
+    method: str | None = None,
+    size: tuple[int, int] | None = None,
+    frames: int | None = None,
+    swing: float | None = None,
+    path: bool = False,
+    samples: int = 1,
+    rate: float = RATE,
+    choice: FaceChoice | None = None,
+    mirror_of: str | None = None,
+) -> str:
+    """Save it with a progress bar; returns what to tell of it.
+
+    With `path`, the eye goes through the views that the viewer remembered and the scene file keeps. Other parameters
+    as for `orbit`, `between`, `turntable` and `open_scene`.
+    """
+    if method:
+        parse(method)
+    check_video(output, size or (1, 1))
+    if path and swing is not None:
+        raise AnamorphError(f"swing is {swing:g}, and a path has none; leave out one of both")
+    with progress_bar(f"opening {source}") as tell:
+        scene, settings = open_scene(source, choice, mirror_of)
+
+        def told(step: Progress) -> None:
+            tell(step.done, step.total, step.what)
+
+        cameras = _path(source, settings, frames) if path else _orbit(scene, frames, swing)
+        specification = method or settings.method
+        steps = turntable(output, scene, specification, cameras, size or settings.size, samples, rate)
+        return drain(steps, told)
+
+
+def _orbit(scene: Scene, frames: int | None, swing: float | None) -> list[Camera]:
+    return orbit(scene.camera, FRAMES if frames is None else frames, swing)
+
+
+def _path(source: str, settings: Settings, frames: int | None) -> list[Camera]:
+    views = views_of(settings.view)
+    if len(views) < LEAST:
+        kept = f"keeps {len(views)} view{'s' * (len(views) != 1)}, and a path needs {LEAST}"
+        raise AnamorphError(f"{source}: {kept}; remember them in the viewer (K), and give the scene file saved there")
+    return between(views, frames)

@@ -1,0 +1,1 @@
+"""Models, CAD files, images and scene files: in and out."""

@@ -1,0 +1,86 @@
+"""The looks of a model file's parts: material, texture coordinates and vertex colours.
+
+A glTF factor or vertex colour is linear by its specification. The bytes in PLY, STL and OBJ files, and Kd in an MTL
+file, have no such rule: they are what the programs that wrote them put on a screen unchanged, so they are taken as
+sRGB. Alpha is ignored: everything is opaque.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from anamorph.base.errors import AnamorphError
+from anamorph.base.srgb import decode_srgb
+from anamorph.files.gltf import Gltf
+from anamorph.files.reading import to_texture
+from anamorph.scene.model import WHITE, Color, Diffuse, Texture
+
+
+def look(
+    where: str, geometry: Any, gltf: Gltf | None, textures: dict[int, Texture]
+) -> tuple[Diffuse, str, np.ndarray | None, np.ndarray | None]:
+    """What a trimesh geometry looks like; `textures` remembers images that several parts share.
+
+    Returns
+    -------
+    material : Diffuse
+    name : str
+        The material's name in the file, "" for none.
+    texcoords : (V, 2) float64 or None
+        From the top left.
+    colors : (V, 3) float64 or None
+        Linear; (3 F, 3), for the faces' corners in turn, where the file colours faces.
+    """
+    visual, count = geometry.visual, len(geometry.vertices)
+    if visual.kind == "vertex":
+        return Diffuse(WHITE), "", None, decode_srgb(np.asarray(visual.vertex_colors)[:, :3] / 255.0)
+    if visual.kind == "face":
+        return (
+            Diffuse(WHITE),
+            "",
+            None,
+            np.repeat(decode_srgb(np.asarray(visual.face_colors)[:, :3] / 255.0), 3, axis=0),
+        )
+    if visual.kind != "texture":
+        return Diffuse(), "", None, None
+
+    texcoords: np.ndarray | None = None
+    if visual.uv is not None:
+        texcoords = np.asarray(visual.uv, float)[:, :2] * (1.0, -1.0) + (0.0, 1.0)
+    attribute = visual.vertex_attributes.get("color") if gltf else None
+    colors = None if attribute is None or len(attribute) != count else _fractions(np.asarray(attribute)[:, :3])
+    if gltf:
+        known = gltf.materials[int(visual.material.name)]
+        image, color, name = visual.material.baseColorTexture, known.color, known.name
+        if known.textured and image is None:
+            raise AnamorphError(f"{where}: the image of material '{name}' is missing or damaged; export it again")
+        if texcoords is not None:
+            texcoords = texcoords @ known.transform[:2, :2].T + known.transform[:2, 2]
+    else:
+        image, color, name = _simple(visual.material)
+    if image is None or texcoords is None or not np.isfinite(texcoords).all():
+        return Diffuse(color), name, None, colors
+    if id(image) not in textures:
+        textures[id(image)] = to_texture(image, f"{where}: material '{name}'")
+    return Diffuse(color, textures[id(image)]), name, texcoords, colors
+
+
+def _simple(material: Any) -> tuple[Any, Color, str]:
+    """Image, linear colour and name of a material of an OBJ or PLY file."""
+    image = getattr(material, "image", None)
+    # Where the file names no image, trimesh puts a grey one of its own, which has no file format.
+    image = None if getattr(image, "format", None) is None else image
+    # What trimesh calls a material that has no name.
+    name = "" if material.name == "material_0" else str(material.name)
+    shade = np.asarray(getattr(material, "kwargs", {}).get("kd", ()), float)
+    if shade.shape != (3,) or not np.isfinite(shade).all():
+        return image, WHITE if image else Diffuse().color, name
+    red, green, blue = decode_srgb(np.clip(shade, 0.0, 1.0))
+    return image, (float(red), float(green), float(blue)), name
+
+
+def _fractions(values: np.ndarray) -> np.ndarray:
+    """Numbers in 0 to 1 from floats, or from unsigned integers that stand for them."""
+    return values / np.iinfo(values.dtype).max if values.dtype.kind == "u" else np.clip(values, 0.0, 1.0)

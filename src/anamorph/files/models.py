@@ -1,0 +1,240 @@
+"""Model files as meshes: glTF, GLB, OBJ, STL and PLY through trimesh, STEP and IGES through `files/cad.py`.
+
+Lengths are taken as they are (glTF's are metres) unless a scale is given. Axes too: y should be up.
+"""
+
+from __future__ import annotations
+
+import io
+import logging
+import re
+import warnings
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import trimesh
+
+from anamorph.base.errors import AnamorphError, nearest
+from anamorph.files import cad
+from anamorph.files.gltf import Gltf, read_gltf
+from anamorph.files.looks import look
+from anamorph.files.reading import Folder, as_utf8, read
+from anamorph.scene.checks import check_triangles
+from anamorph.scene.model import Mesh, Texture
+from anamorph.scene.normals import creased, has_area, repaired
+from anamorph.scene.transform import Similarity, transform
+
+UNNAMED = re.compile(r"^geometry(_\d+)?$")
+"""What trimesh calls a mesh that has no name."""
+
+FAR = 1e-3
+"""A model smaller than this share of its coordinates is far from the origin."""
+
+SUFFIXES = (".glb", ".gltf", ".obj", ".stl", ".ply", *cad.SUFFIXES)
+
+
+@dataclass(frozen=True, eq=False)
+class Part:
+    """A mesh of a model file, and the name of its material there ("" for none)."""
+
+    mesh: Mesh
+    material: str = ""
+
+
+def load_model(path: str | Path, scale: float = 1.0, choice: cad.FaceChoice | None = None) -> tuple[Mesh, ...]:
+    """The meshes of a model file, in world coordinates.
+
+    Parameters
+    ----------
+    path : str or Path
+        A .glb, .gltf, .obj, .stl, .ply, .step, .stp, .iges or .igs file.
+    scale : float
+        Metres in one unit of the file: 0.001 for millimetres. CAD files name their unit, and need none.
+    choice : FaceChoice, optional
+        Which faces of a CAD file, and how fine.
+    """
+    return tuple(part.mesh for part in load_parts(path, scale, choice))
+
+
+def load_parts(
+    path: str | Path, scale: float = 1.0, choice: cad.FaceChoice | None = None, near: bool = False
+) -> tuple[Part, ...]:
+    """Like `load_model`, with the materials' names.
+
+    With `near`, a model that lies so far from the origin that float32 would blur it is moved there: one whose
+    extent is below a thousandth of its coordinates, as of a building in map coordinates.
+    """
+    path = Path(path)
+    suffix = path.suffix.lower()
+    if suffix not in SUFFIXES:
+        hint = nearest(suffix, SUFFIXES)
+        raise AnamorphError(f"{path}: is no known model; give one that ends in {', '.join(SUFFIXES)}{hint}")
+    if not (np.isfinite(scale) and scale > 0):
+        raise AnamorphError(f"{path}: scale is {scale}; give a positive number of metres for one unit")
+    if suffix in cad.SUFFIXES:
+        by = Similarity(scale, np.eye(3), np.zeros(3))
+        return uniquely_named(Part(transform(mesh, by)) for mesh in cad.load_cad(path, choice))
+    if choice is not None:
+        raise AnamorphError(f"{path}: faces and density are for CAD files ({', '.join(cad.SUFFIXES)}); leave them out")
+    data = read(path, "model file")
+    data = _in_utf8(data, suffix)
+    gltf = read_gltf(data, path) if suffix in (".glb", ".gltf") else None
+    scene = _parse(gltf.data if gltf else data, path)
+    textures: dict[int, Texture] = {}
+    placed = [(name, geometry, scale * matrix) for name, geometry, matrix in _placed(scene, path, gltf)]
+    away = _far_middle([(geometry, matrix) for _, geometry, matrix in placed]) if near else np.zeros(3)
+    parts = [
+        _part(path, name, geometry, trimesh.transformations.translation_matrix(-away) @ matrix, gltf, textures)
+        for name, geometry, matrix in placed
+    ]
+    kept = [part for part in parts if part is not None]
+    if not kept:
+        raise AnamorphError(f"{path}: has no triangles with an area; give a model with faces, not points or lines")
+    return uniquely_named(kept)
+
+
+def _far_middle(placed: list[tuple[Any, np.ndarray]]) -> np.ndarray:
+    """The middle of all vertices, float64, where they are far from the origin; else the origin."""
+    with np.errstate(all="ignore"):
+        points = [
+            np.asarray(geometry.vertices, float) @ matrix[:3, :3].T + matrix[:3, 3] for geometry, matrix in placed
+        ]
+        ends = np.concatenate([*points, np.zeros((0, 3))])
+        low, high = ends.min(axis=0, initial=np.inf), ends.max(axis=0, initial=-np.inf)
+        far = np.isfinite(low + high).all() and np.max(high - low) < FAR * np.max(np.abs([low, high]))
+    return (low + high) / 2.0 if far else np.zeros(3)
+
+
+def _in_utf8(data: bytes, suffix: str) -> bytes:
+    """A model whose text, of whatever encoding, is in UTF-8, the only one that trimesh reads."""
+    if suffix == ".ply":
+        header, end, body = data.partition(b"end_header")
+        return as_utf8(header) + end + body
+    # The length of a binary STL file follows from its count, and a text one may start with the same word "solid".
+    text = suffix == ".obj" or (suffix == ".stl" and len(data) != 84 + 50 * int.from_bytes(data[80:84], "little"))
+    return as_utf8(data) if text else data
+
+
+@contextmanager
+def _quiet() -> Iterator[None]:
+    """Keep what trimesh logs, and numpy warns of on its behalf, off the terminal: the checks after it say more."""
+    logger = logging.getLogger("trimesh")
+    before = logger.level
+    logger.setLevel(logging.CRITICAL + 1)
+    try:
+        with warnings.catch_warnings(), np.errstate(all="ignore"):
+            warnings.simplefilter("ignore")
+            yield
+    finally:
+        logger.setLevel(before)
+
+
+def _parse(data: bytes, path: Path) -> trimesh.Scene:
+    folder = Folder(path)
+    kind = path.suffix.lower()[1:]
+    options: dict[str, Any] = {"split_objects": True} if kind == "obj" else {}
+    damage = None
+    scene = trimesh.Scene()
+    try:
+        with _quiet():
+            scene = trimesh.load_scene(io.BytesIO(data), file_type=kind, resolver=folder, process=False, **options)
+    # Damage of every kind surfaces in the parser as an error of some kind.
+    except Exception as error:
+        said = (str(error).splitlines() or [""])[0][:120] or type(error).__name__
+        damage = AnamorphError(f"{path}: is damaged or no {kind.upper()} file ({said}); export it again")
+    if complaint := folder.complaint or damage:
+        raise complaint
+    return scene
+
+
+def _placed(scene: trimesh.Scene, path: Path, gltf: Gltf | None) -> list[tuple[str, Any, np.ndarray]]:
+    """Name, geometry and (4, 4) matrix of each instance that has faces, in an order that is always the same."""
+    order = {name: number for number, name in enumerate(scene.geometry)}
+    placed = []
+    with _quiet():
+        for node in scene.graph.nodes_geometry:
+            matrix, geometry = scene.graph[node]
+            if isinstance(scene.geometry[geometry], trimesh.Trimesh):
+                # trimesh gives each primitive of a mesh a child node of its own, under a random name.
+                number = node if node.isdigit() else scene.graph.transforms.parents.get(node, "")
+                named = gltf is not None and number.isdigit()
+                name = gltf.nodes[int(number)] if gltf and named else UNNAMED.sub(path.stem, geometry)
+                place = int(number) if named else -order[geometry]
+                placed.append((place, order[geometry], name, scene.geometry[geometry], matrix))
+    return [entry[2:] for entry in sorted(placed, key=lambda entry: entry[:2])]
+
+
+def _part(
+    path: Path, name: str, geometry: Any, matrix: np.ndarray, gltf: Gltf | None, textures: dict[int, Texture]
+) -> Part | None:
+    where = f"{path}: part '{name}'"
+    positions, faces = np.asarray(geometry.vertices, float), np.asarray(geometry.faces, np.int64).reshape(-1, 3)
+    if not len(faces):
+        return None
+    check_triangles(where, positions, faces)
+    if not np.isfinite(matrix).all():
+        raise AnamorphError(f"{where}: its transform has NaN or infinite numbers; export it again")
+    # Whether the file itself brought normals shows only in trimesh's cache: asking for them computes them.
+    cache = geometry._cache
+    normals = np.asarray(cache["vertex_normals"], float) if "vertex_normals" in cache else None
+    material, material_name, texcoords, colors = look(where, geometry, gltf, textures)
+    if geometry.visual.kind == "face":
+        # One colour a face: each face gets vertices of its own, and `look` has given each of them its colour.
+        positions, normals = positions[faces].reshape(-1, 3), None if normals is None else normals[faces].reshape(-1, 3)
+        faces = np.arange(len(positions)).reshape(-1, 3)
+
+    with np.errstate(over="ignore"):
+        positions = (positions @ matrix[:3, :3].T + matrix[:3, 3]).astype(np.float32)
+    check_triangles(where, positions, faces)
+    # A transform that mirrors turns triangles inside out; the cofactors carry normals, mirrored or not.
+    if np.linalg.det(matrix[:3, :3]) < 0:
+        faces = faces[:, ::-1]
+    if normals is not None:
+        normals = normals @ _cofactors(matrix[:3, :3]).T
+    faces = faces[has_area(positions, faces)]
+    if not len(faces):
+        return None
+    source = np.unique(faces)
+    faces = np.searchsorted(source, faces)
+    if normals is None:
+        copies, faces, normals = creased(positions[source], faces)
+        source = source[copies]
+    else:
+        normals = repaired(normals[source], positions[source], faces)
+    return Part(
+        Mesh(
+            name=name,
+            positions=positions[source],
+            faces=faces.astype(np.int32),
+            normals=normals.astype(np.float32),
+            material=material,
+            texcoords=None if texcoords is None else texcoords[source].astype(np.float32),
+            colors=None if colors is None else colors[source].astype(np.float32),
+        ),
+        material_name,
+    )
+
+
+def _cofactors(matrix: np.ndarray) -> np.ndarray:
+    """What normals are multiplied by where points are multiplied by `matrix` (3, 3), up to a positive factor."""
+    sign = 1.0 if np.linalg.det(matrix) >= 0 else -1.0
+    rows = [np.cross(matrix[(row + 1) % 3], matrix[(row + 2) % 3]) for row in range(3)]
+    return sign * np.stack(rows)
+
+
+def uniquely_named(parts: Iterable[Part]) -> tuple[Part, ...]:
+    """Give every part a name of its own: the second 'wheel' is 'wheel-2'."""
+    taken: set[str] = set()
+    named = []
+    for part in parts:
+        name, number = part.mesh.name, 1
+        while name in taken:
+            number += 1
+            name = f"{part.mesh.name}-{number}"
+        taken.add(name)
+        named.append(replace(part, mesh=replace(part.mesh, name=name)))
+    return tuple(named)

@@ -1,0 +1,108 @@
+"""Files that a scene is made of: opening them, and saying in one line what is wrong with one."""
+
+from __future__ import annotations
+
+import io
+from pathlib import Path
+from urllib.parse import unquote
+
+import numpy as np
+from PIL import Image
+from trimesh.resolvers import Resolver
+
+from anamorph.base.errors import AnamorphError
+from anamorph.scene.model import Texture
+
+IMAGES = (".png", ".jpg", ".jpeg", ".bmp", ".gif", ".tga", ".tif", ".tiff", ".webp")
+
+
+def read(path: Path, what: str) -> bytes:
+    """The bytes of a file, or one line that says why not."""
+    try:
+        return path.read_bytes()
+    except FileNotFoundError:
+        raise AnamorphError(f"{path}: there is no such {what}; check the name and the folder") from None
+    except IsADirectoryError:
+        raise AnamorphError(f"{path}: is a folder; give a {what}") from None
+    except OSError as error:
+        raise AnamorphError(f"{path}: this {what} cannot be read ({error.strerror}); check its permissions") from None
+
+
+def as_utf8(data: bytes) -> bytes:
+    """Text in UTF-8, from text in UTF-8, UTF-16 with its byte order mark, or else Latin-1."""
+    if data[:2] in (b"\xff\xfe", b"\xfe\xff"):
+        return data.decode("utf-16", errors="replace").encode()
+    try:
+        return data.decode("utf-8-sig").encode()
+    except UnicodeDecodeError:
+        return data.decode("latin-1").encode()
+
+
+def to_texture(image: Image.Image, name: str) -> Texture:
+    """A texture from an image of any kind; `name` is for messages. Sixteen bits are rounded to eight."""
+    try:
+        if image.mode.startswith("I") or image.mode == "F":
+            levels = np.asarray(image, float)
+            grey = np.clip(levels / (257.0 if levels.max(initial=0.0) > 255.0 else 1.0), 0.0, 255.0)
+            image = Image.fromarray(np.round(grey).astype(np.uint8))
+        return Texture(np.asarray(image.convert("RGBA"), np.uint8))
+    except (OSError, ValueError, SyntaxError, Image.DecompressionBombError) as error:
+        raise AnamorphError(f"{name}: this image is damaged ({error}); save it again") from None
+
+
+def read_texture(path: Path) -> Texture:
+    """An image file as a texture."""
+    return to_texture(_opened(read(path, "image file"), str(path)), str(path))
+
+
+def _opened(data: bytes, name: str) -> Image.Image:
+    try:
+        return Image.open(io.BytesIO(data))
+    except (OSError, ValueError, SyntaxError, Image.DecompressionBombError):
+        raise AnamorphError(f"{name}: is not an image that can be read; save it as PNG or JPEG") from None
+
+
+class Folder(Resolver):
+    """What trimesh asks for the files that a model names; keeps the first complaint, which trimesh passes over."""
+
+    def __init__(self, model: Path) -> None:
+        self.model = model
+        self.complaint: AnamorphError | None = None
+
+    def get(self, key: str) -> bytes:
+        """The bytes of a file named in the model, relative to the model's folder."""
+        try:
+            return self._get(key)
+        except AnamorphError as error:
+            self.complaint = self.complaint or error
+            raise FileNotFoundError(key) from None
+
+    def _get(self, key: str) -> bytes:
+        name = _file_name(key)
+        for candidate in (name, unquote(name), Path(name).name):
+            path = self.model.parent / candidate
+            if path.is_file():
+                data = read(path, "file")
+                if path.suffix.lower() in IMAGES:
+                    to_texture(_opened(data, str(path)), str(path))
+                return as_utf8(data) if path.suffix.lower() == ".mtl" else data
+        raise AnamorphError(
+            f"{self.model}: names the file '{name}', which is not there; put it beside the model, or remove the name"
+        )
+
+    def keys(self) -> list[str]:
+        return [path.name for path in self.model.parent.iterdir()]
+
+    def write(self, name: str, data: bytes) -> None:
+        raise PermissionError(name)
+
+    def namespaced(self, namespace: str) -> Folder:
+        return Folder(self.model.parent / namespace / self.model.name)
+
+
+def _file_name(key: str) -> str:
+    """The file in an MTL or glTF reference: without options such as `-s 1 1 1`, with forward slashes."""
+    words = key.strip().strip('"').replace("\\", "/")
+    if words.startswith("-"):
+        words = words.split()[-1]
+    return words

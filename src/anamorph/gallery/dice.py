@@ -1,0 +1,35 @@
+"""Dice with letters on them, which show when a picture is reversed."""
+
+from __future__ import annotations
+
+from functools import cache
+
+from PIL import Image, ImageDraw
+
+from anamorph.gallery.shapes import Shape, box, join
+from anamorph.gallery.textures import centered, texture
+from anamorph.scene.model import Texture
+
+
+def die(edge: float) -> Shape:
+    """A cube that stands on the origin with a letter on each side."""
+    sides = []
+    for number, side in enumerate(("+z", "+x", "-z", "-x", "+y", "-y")):
+        row, column = divmod(number, 3)
+        image = (column / 4, row / 2, (column + 1) / 4, (row + 1) / 2)
+        sides.append(box((-edge / 2, 0.0, -edge / 2), (edge / 2, edge, edge / 2), side, image))
+    return join(sides)
+
+
+@cache
+def letters() -> Texture:
+    """The sides of the die: six fields in the left three quarters, three across and two down."""
+    image = Image.new("RGB", (512, 256), (240, 234, 218))
+    draw = ImageDraw.Draw(image)
+    inks = ((30, 60, 130), (150, 40, 30), (20, 100, 60), (120, 60, 120), (40, 40, 50), (160, 90, 20))
+    for number, (letter, ink) in enumerate(zip("RPQFGJ", inks, strict=True)):
+        row, column = divmod(number, 3)
+        left, top = column * 128, row * 128
+        draw.rectangle((left + 4, top + 4, left + 123, top + 123), outline=ink, width=8)
+        centered(draw, (left + 64, top + 62), letter, 92, ink)
+    return texture(image)

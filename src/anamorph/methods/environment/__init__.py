@@ -1,0 +1,1 @@
+from anamorph.methods.environment.environment import METHOD as METHOD

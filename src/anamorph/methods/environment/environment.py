@@ -1,0 +1,273 @@
+"""Environment mapping: what the reflected direction sees from the reflector's centre; the baseline that everyone uses.
+
+Source: Blinn and Newell 1976; cube maps after Greene 1986. `mode=planar` is the other common way, for flat mirrors
+alone: the scene drawn once more from the mirrored eye.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+import wgpu
+
+from anamorph.base.errors import AnamorphError
+from anamorph.frame import View
+from anamorph.gpu.bindings import SAMPLER, STORAGE, bind, layout_of, texture
+from anamorph.gpu.buffers import storage_buffer
+from anamorph.gpu.device import of_device
+from anamorph.gpu.drawing import draw_mesh, make_pipeline, shader_module
+from anamorph.gpu.targets import COLOR_FORMAT, MAP_FORMATS, SEEN_FORMATS, Target, make_texture, map_sampler
+from anamorph.methods.environment.cube import make_cube
+from anamorph.methods.options import check_options, option
+from anamorph.methods.pervertex.pervertex import Options as PerVertexOptions
+from anamorph.methods.pervertex.pervertex import PerVertexDrawing
+from anamorph.methods.protocol import Method, Session
+from anamorph.methods.session import DrawingSession, Stage
+from anamorph.optics.reflection import reflected_rays, reflector
+from anamorph.projection import UNIFORM_BYTES, Projection, pinhole_projection
+from anamorph.raymesh import RayMesh, RayStatus
+from anamorph.scene.camera import Camera
+from anamorph.scene.geometry import Geometry
+from anamorph.scene.model import Glass, Scene
+
+DEFAULT_FACE = 1024
+"""Texels along an edge that a cube map takes at most by itself."""
+
+MARGIN = np.radians(3.0)
+"""How far the directions at normals between the vertices may stray beyond those at the vertices."""
+
+FACES = (
+    ((0, 0, -1), (0, 1, 0), (1, 0, 0)),
+    ((0, 0, 1), (0, 1, 0), (-1, 0, 0)),
+    ((1, 0, 0), (0, 0, -1), (0, 1, 0)),
+    ((1, 0, 0), (0, 0, 1), (0, -1, 0)),
+    ((1, 0, 0), (0, 1, 0), (0, 0, 1)),
+    ((-1, 0, 0), (0, 1, 0), (0, 0, -1)),
+)
+"""Right, up and forward of each face of a cube map, as WebGPU orders and orients them."""
+
+
+@dataclass(frozen=True)
+class Options:
+    """Options of `environment`.
+
+    Parameters
+    ----------
+    mode : str
+        "cube", or "planar" for flat mirrors.
+    update : str
+        When the cube map is drawn: "always", or "once" (static).
+    face : int
+        Texels along an edge of the cube map; 0 takes one for each pixel of the picture, up to 1024.
+    antialias : int
+        Samples a pixel of the picture: 1 or 4.
+    """
+
+    mode: str = option("cube", choices=("cube", "planar"))
+    update: str = option("always", choices=("always", "once"))
+    face: int = option(0, low=0, high=4096, unit="texels")
+    antialias: int = option(1, choices=(1, 4))
+
+
+def cube_projections(center: np.ndarray, near: float) -> list[Projection]:
+    """The six views of a cube map around `center`."""
+    axes = np.array(FACES, float)
+    return [pinhole_projection(center, forward, right, up, near) for right, up, forward in axes]
+
+
+def face_size(rays: RayMesh) -> int:
+    """Texels along an edge of a cube map that give each pixel of the picture one, by the median over the mesh."""
+    edges = np.concatenate([rays.faces[:, [0, 1]], rays.faces[:, [1, 2]]])
+    edges = edges[((rays.status == RayStatus.OK) & (rays.picture[:, 2] > 0.0))[edges].all(axis=1)]
+    if not len(edges):
+        return 64
+    places = rays.places()
+    pixels = np.linalg.norm(places[edges[:, 0]] - places[edges[:, 1]], axis=1)
+    directions = rays.unit_directions()
+    angles = np.linalg.norm(directions[edges[:, 0]] - directions[edges[:, 1]], axis=1)
+    return int(np.clip(2.0 * np.median(pixels / np.maximum(angles, 1e-6)), 64, DEFAULT_FACE))
+
+
+def faces_needed(rays: RayMesh) -> list[int]:
+    """The faces of a cube map that the mesh's directions, and those between them, can meet."""
+    directions = rays.unit_directions()
+    edges = np.concatenate([rays.faces[:, [0, 1]], rays.faces[:, [1, 2]], rays.faces[:, [2, 0]]])
+    spread = np.linalg.norm(directions[edges[:, 0]] - directions[edges[:, 1]], axis=1).max(initial=0.0)
+    reach = np.pi / 4.0 + spread + MARGIN
+    if reach >= np.pi / 2.0:
+        return list(range(6))
+    needed = []
+    for face, axes in enumerate(np.array(FACES, float)):
+        right, up, forward = np.abs(directions @ axes[0]), np.abs(directions @ axes[1]), directions @ axes[2]
+        if (np.maximum(right, up) <= np.tan(reach) * forward).any():
+            needed.append(face)
+    return needed
+
+
+def reflectors(scene: Scene) -> list[tuple[int, ...]]:
+    """Indices of the specular meshes, those of one reflector together: names that agree before the first "/"."""
+    groups: dict[str, list[int]] = {}
+    for index, mesh in enumerate(scene.meshes):
+        if mesh.specular:
+            groups.setdefault(mesh.name.split("/")[0], []).append(index)
+    return [tuple(group) for group in groups.values()]
+
+
+@of_device
+def _stand_in() -> wgpu.GPUTexture:
+    return make_texture((1, 1), MAP_FORMATS[0])
+
+
+class _CubeReflector:
+    """One reflector, of one or more meshes, and the cube map around it."""
+
+    def __init__(
+        self, stage: Stage, indices: tuple[int, ...], options: Options, layout: wgpu.GPUBindGroupLayout
+    ) -> None:
+        self.indices = indices
+        self._mirrors = [reflector(stage.view.scene.meshes[index]) for index in indices]
+        positions = np.concatenate([mirror.positions for mirror in self._mirrors])
+        low, high = positions.min(axis=0), positions.max(axis=0)
+        size = options.face or max(face_size(rays) for rays in self.rays(stage.view.pinhole, stage.view.size))
+        self.maps = make_cube(size)
+        projections = cube_projections((low + high) / 2.0, near=1e-3 * float(np.linalg.norm(high - low)))
+        for face, projection in zip(self.maps, projections, strict=True):
+            face.projection.write(projection, (size, size))
+        uniforms = np.concatenate([projection.uniform((size, size)) for projection in projections])
+        assert uniforms.nbytes == 6 * UNIFORM_BYTES
+        resources = [
+            storage_buffer(uniforms),
+            self.maps[0].color.textures[0].create_view(dimension="cube"),
+            map_sampler(),
+        ]
+        # Colours need no depths, which take twice their memory: until they are asked for, one texel stands in.
+        self.group = bind(layout, [*resources, _stand_in().create_view(dimension="2d-array")])
+        self._layout, self._resources = layout, resources
+
+    @cached_property
+    def seen_group(self) -> wgpu.GPUBindGroup:
+        """Its maps with their depths, which are made now."""
+        depth = self.maps[0].depth().textures[0].create_view(dimension="2d-array")
+        return bind(self._layout, [*self._resources, depth])
+
+    def rays(self, camera: Camera, size: tuple[int, int]) -> list[RayMesh]:
+        """The ray mesh of each of its meshes."""
+        return [reflected_rays(mirror, camera.eye(size)) for mirror in self._mirrors]
+
+
+class CubeDrawing:
+    """Draws every mirror of a scene by cube maps. See `SpecularDrawing`."""
+
+    def __init__(self, stage: Stage, options: Options) -> None:
+        self._stage, self._options = stage, options
+        layout = layout_of(STORAGE, texture("cube"), SAMPLER, texture("2d-array", filterable=False))
+        self._reflectors = [_CubeReflector(stage, group, options, layout) for group in reflectors(stage.view.scene)]
+        self.replaced = stage.buffers.specular
+        self._drawn = False
+        module = shader_module("gpu/map.wgsl", "methods/environment/environment.wgsl")
+        self._color = make_pipeline(
+            module,
+            "scene_vertex",
+            "environment_color",
+            (COLOR_FORMAT,),
+            groups=(layout,),
+            samples=options.antialias,
+            cull="back",
+        )
+        self._seen = make_pipeline(
+            module, "scene_vertex", "environment_seen", SEEN_FORMATS, groups=(layout,), cull="back"
+        )
+
+    def deformed(self, geometry: Geometry) -> None:
+        """The next frame draws the cube maps anew; a static one stays as it is."""
+
+    def prepare(self, encoder: wgpu.GPUCommandEncoder, camera: Camera, shift: tuple[float, float]) -> None:
+        """Draw each mirror's cube map, all of it once, or every time the faces that the frame needs."""
+        if self._drawn and self._options.update == "once":
+            return
+        for item in self._reflectors:
+            faces = set(range(6))
+            if self._options.update == "always":
+                faces = {face for rays in item.rays(camera, self._stage.view.size) for face in faces_needed(rays)}
+            for face in sorted(faces):
+                item.maps[face].draw_color(encoder, self._stage.buffers, item.indices)
+        self._drawn = True
+
+    def complete(self, target: Target, camera: Camera, shift: tuple[float, float]) -> None:
+        """There is nothing to mend."""
+
+    def prepare_seen(self, encoder: wgpu.GPUCommandEncoder) -> None:
+        """Draw what the cube maps see, for the seen buffers."""
+        for item in self._reflectors:
+            for face in item.maps:
+                face.draw_depth(encoder, self._stage.buffers, item.indices)
+
+    def draw_color(self, render_pass: wgpu.GPURenderPassEncoder) -> None:
+        """The mirrors, with their cube maps."""
+        self._draw(render_pass, self._color, [item.group for item in self._reflectors])
+
+    def draw_seen(self, render_pass: wgpu.GPURenderPassEncoder) -> None:
+        """The mirrors' seen buffers."""
+        self._draw(render_pass, self._seen, [item.seen_group for item in self._reflectors])
+
+    def _draw(
+        self,
+        render_pass: wgpu.GPURenderPassEncoder,
+        pipeline: wgpu.GPURenderPipeline,
+        groups: Sequence[wgpu.GPUBindGroup],
+    ) -> None:
+        render_pass.set_pipeline(pipeline)
+        for item, group in zip(self._reflectors, groups, strict=True):
+            render_pass.set_bind_group(2, group)
+            for index in item.indices:
+                draw_mesh(render_pass, self._stage.buffers, index)
+
+    def figures(self) -> dict[str, float]:
+        """Nothing but what the frame shows."""
+        return {}
+
+    def rays(self) -> None:
+        """The method knows directions, not rays."""
+        return None
+
+
+def _check_flat(view: View) -> None:
+    for mesh in view.scene.meshes:
+        if not mesh.specular:
+            continue
+        offsets = np.asarray(mesh.positions, float) - mesh.positions.mean(axis=0)
+        flatness = np.linalg.svd(offsets, compute_uv=False)[-1]
+        if flatness > 1e-4 * np.linalg.norm(np.ptp(mesh.positions, axis=0)):
+            raise AnamorphError(f"environment: mode=planar needs flat mirrors, {mesh.name!r} is curved; give mode=cube")
+
+
+def open_session(view: View, options: Options) -> Session:
+    """Start drawing `view` by environment mapping."""
+    check_options("environment", options)
+    if options.mode == "planar":
+        for name in ("update", "face"):
+            if getattr(options, name) != getattr(Options, name):
+                raise AnamorphError(f"environment: {name} is for cube maps; leave it out, or give mode=cube")
+    glass = next((mesh.name for mesh in view.scene.meshes if isinstance(mesh.material, Glass)), None)
+    if glass is not None:
+        raise AnamorphError(f"environment: draws mirrors alone, and {glass!r} is glass; use pervertex or raytrace")
+    stage = Stage(view)
+    if options.mode == "planar":
+        _check_flat(view)
+        # The mirrored eye is the one point that all lines of a flat mirror share, and its picture needs no warp but
+        # the projective one that per-vertex reflection does.
+        planar = PerVertexDrawing(stage, PerVertexOptions(antialias=options.antialias))
+        return DrawingSession(stage, planar, options.antialias)
+    return DrawingSession(stage, CubeDrawing(stage, options), options.antialias)
+
+
+METHOD = Method(
+    name="environment",
+    summary="a cube map from the reflector's centre, looked up by direction; or planar reflection",
+    source="Blinn and Newell 1976; Greene 1986",
+    options=Options,
+    open=open_session,
+)

@@ -1,0 +1,1 @@
+from anamorph.methods.pervertex.pervertex import METHOD as METHOD

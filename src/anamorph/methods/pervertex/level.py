@@ -1,0 +1,175 @@
+"""One depth of the recursion on the device: its maps, and the triangles that show them.
+
+Source: Kakimoto et al. 2007, section 4.4, which keeps surfaces and maps in a stack. Here each depth has one atlas of
+maps, in which the mirrors of the next depth are drawn with that depth's maps.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import wgpu
+
+from anamorph.gpu.bindings import SAMPLER, STORAGE, bind, layout_of, texture
+from anamorph.gpu.buffers import SceneBuffers, roomy_buffer
+from anamorph.gpu.device import get_device
+from anamorph.gpu.targets import map_sampler
+from anamorph.methods.pervertex.atlas import Atlas, MapView
+from anamorph.methods.pervertex.bodies import Sight
+from anamorph.methods.pervertex.warp import MapPlan
+from anamorph.projection import UNIFORM_BYTES
+
+SMOOTH, THREE_COLORS = 1, 4
+"""Flags of a triangle, as the shaders read them."""
+
+NOWHERE = (0.5, 0.5, 1.0, 0.0)
+"""The lookup of a vertex that no map shows."""
+
+MOST_VIEWS = 6
+"""Maps of one patch: the faces of a cube map."""
+
+CLIP_WORDS = 32
+"""Of a `Projection`, those of its two matrices, which come first."""
+
+STRIDE = -(-MOST_VIEWS * UNIFORM_BYTES // 256) * 256
+"""Bytes from one patch's maps to the next: uniforms begin at multiples of 256."""
+
+
+@dataclass(frozen=True)
+class PatchDraw:
+    """The triangles of one patch, and its number among the level's patches.
+
+    Parameters
+    ----------
+    number, first, count : int
+    bends : bool
+        Whether it is a lens.
+    sides : int
+        How many maps show it: two where its rays converge.
+    cube : bool
+        Whether a cube map shows it.
+    """
+
+    number: int
+    first: int
+    count: int
+    bends: bool
+    sides: int
+    cube: bool
+
+
+def level_layout() -> wgpu.GPUBindGroupLayout:
+    """The layout of group 2: what warp.wgsl declares."""
+    maps = {"buffer": {"type": "uniform", "has_dynamic_offset": True}}
+    return layout_of(
+        maps, texture(), SAMPLER, texture(filterable=False), texture(filterable=False),
+        STORAGE, STORAGE, STORAGE, STORAGE,
+        stages=wgpu.ShaderStage.VERTEX | wgpu.ShaderStage.FRAGMENT,
+    )  # fmt: skip
+
+
+class Level:
+    """The maps of one depth, and the triangles that show them.
+
+    Attributes
+    ----------
+    atlas : Atlas
+    views : list of MapView
+    lookers : dict of int to PatchDraw
+        The patch that looks up each map by its places; the faces of cube maps are looked up by directions.
+    """
+
+    def __init__(
+        self, scene: SceneBuffers, layout: wgpu.GPUBindGroupLayout, antialias: int, mipmaps: bool, ends: bool
+    ) -> None:
+        self.atlas = Atlas(antialias, mipmaps, ends)
+        self.views: list[MapView] = []
+        self.lookers: dict[int, PatchDraw] = {}
+        self._scene, self._layout = scene, layout
+        self._patches: list[tuple[range, tuple[int, ...]]] = []
+        self._triangles: list[np.ndarray] = []
+        self._data: list[np.ndarray] = []
+        self._maps: wgpu.GPUBuffer | None = None
+        self._buffers: list[wgpu.GPUBuffer | None] = [None, None]
+        self.clear()
+
+    def clear(self) -> None:
+        """Forget the last frame's maps and triangles."""
+        for contents in (self.views, self.lookers, self._patches, self._triangles, self._data):
+            contents.clear()
+        self._triangle_count = self._data_count = 0
+
+    def add(self, sight: Sight, faces: np.ndarray, plan: MapPlan | None, views: range) -> PatchDraw:
+        """Add a patch: the `faces` of a body, which show the maps of the numbers `views`; or, without a plan, none."""
+        if plan is None:
+            lookups = np.broadcast_to(NOWHERE, (1 + len(sight.others), len(faces), 3, 4))
+        else:
+            lookups = plan.lookups[:, np.searchsorted(plan.vertices, sight.rays.faces[faces])]
+        data = np.moveaxis(lookups, 0, 2)
+        if sight.bends:
+            data = np.concatenate([data[:, :, :, None], sight.corner_rays(faces)], axis=3)
+        data = data.reshape(len(faces), -1, 4)
+        if sight.bends:
+            data = np.concatenate([np.broadcast_to(sight.edge(), (len(faces), 2, 4)), data], axis=1)
+        flags = np.where(sight.side.smooth[faces], SMOOTH, 0) | (THREE_COLORS if len(lookups) > 1 else 0)
+        first = self._data_count + data.shape[1] * np.arange(len(faces))
+        triangles = np.stack([sight.side.triangles[faces], flags, first, np.zeros_like(first)], axis=1)
+        cube = () if plan is None else plan.cube
+        sides = 1 if cube else len(views)
+        draw = PatchDraw(len(self._patches), self._triangle_count, len(faces), sight.bends, sides, bool(cube))
+        if plan is not None and not cube:
+            self.lookers |= dict.fromkeys(views, draw)
+        self._patches.append((views, cube))
+        self._triangles.append(triangles.astype(np.uint32))
+        self._data.append(data.astype(np.float32).reshape(-1, 4))
+        self._triangle_count += len(faces)
+        self._data_count += len(self._data[-1])
+        return draw
+
+    def place(self) -> None:
+        """Lay out the maps, and hand all over to the device."""
+        made = self.atlas.place(self.views)
+        self.views = self.atlas.views
+        contents = [np.concatenate(self._triangles), np.concatenate(self._data)]
+        buffers = [roomy_buffer(old, data.nbytes) for old, data in zip(self._buffers, contents, strict=True)]
+        maps = self._patch_maps()
+        room = self._maps is not None and self._maps.size >= maps.nbytes
+        if not room:
+            usage = wgpu.BufferUsage.UNIFORM | wgpu.BufferUsage.COPY_DST
+            self._maps = get_device().create_buffer(size=2 * maps.nbytes, usage=usage)
+        if made or not room or buffers != self._buffers:
+            self._buffers = list(buffers)
+            self._bind()
+        for buffer, data in zip([self._maps, *buffers], [maps, *contents], strict=True):
+            get_device().queue.write_buffer(buffer, 0, data)
+
+    def select(self, render_pass: wgpu.GPURenderPassEncoder, number: int) -> None:
+        """Bind group 2 for one patch."""
+        render_pass.set_bind_group(2, self._group, [STRIDE * number], 0, 1)
+
+    def _patch_maps(self) -> np.ndarray:
+        """The `PatchMaps` structures, (patches, STRIDE / 4) float32."""
+        maps = np.zeros((len(self._patches), STRIDE // 4), np.float32)
+        for row, (views, faces) in zip(maps, self._patches, strict=True):
+            slots = row[: MOST_VIEWS * UNIFORM_BYTES // 4].reshape(MOST_VIEWS, -1)
+            words = np.stack([self.atlas.projections[view] for view in views])
+            if faces:
+                # All faces tell the viewpoint; nothing has a place in those that are not drawn.
+                slots[:] = words[0]
+                slots[:, :CLIP_WORDS] = 0.0
+            slots[list(faces or range(len(views)))] = words
+        return maps
+
+    def _bind(self) -> None:
+        resources = [
+            {"buffer": self._maps, "offset": 0, "size": MOST_VIEWS * UNIFORM_BYTES},
+            self.atlas.color.create_view(),
+            map_sampler(),
+            self.atlas.depth.create_view(),
+            self.atlas.end.create_view(),
+            *self._buffers,
+            self._scene.vertices,
+            self._scene.indices,
+        ]
+        self._group = bind(self._layout, resources)

@@ -1,0 +1,327 @@
+"""Per-vertex reflection and refraction: maps from the best virtual viewpoints, warped so that every vertex is exact.
+
+Source: Kakimoto, Tatsukawa, Chun, Nishita, "Real-time reflection and refraction on a per-vertex basis" (2007),
+sections 3 and 4. Steps 1 to 3 of a frame, which need no device, are in warp.py, for the patches that division.py makes
+(4.1); drawing the maps (step 2) and the bodies with them (step 4), again and again for mirrors in mirrors (4.4), is
+here. Deviation: maps are as fine as the picture that they fill.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from functools import cache, partial
+from typing import Any
+
+import numpy as np
+import wgpu
+
+from anamorph.base.errors import AnamorphError
+from anamorph.frame import View
+from anamorph.gpu.device import get_device
+from anamorph.gpu.drawing import bind_scene, make_pipeline, shader_module, submit
+from anamorph.gpu.targets import COLOR_FORMAT, MAP_FORMATS, SEEN_FORMATS, Target, begin_pass, make_texture, read_texture
+from anamorph.methods.options import check_options, option
+from anamorph.methods.pervertex.atlas import MapKind
+from anamorph.methods.pervertex.bodies import bodies_of
+from anamorph.methods.pervertex.level import Level, level_layout
+from anamorph.methods.pervertex.marks import OVERLAYS, Marks
+from anamorph.methods.pervertex.mend import Mender, doubtful_tiles
+from anamorph.methods.pervertex.pictures import Picture, PictureOptions, Pictures
+from anamorph.methods.pervertex.warp import PlanOptions
+from anamorph.methods.pervertex.world import World, world_of
+from anamorph.methods.protocol import Method, Session
+from anamorph.methods.session import DrawingSession, Stage
+from anamorph.optics.tessellation import refined_scene
+from anamorph.scene.camera import Camera
+from anamorph.scene.geometry import Geometry
+
+MAXIMUM_BOUNCES = 8
+REFINEMENTS_BEFORE_TRACING = 3
+
+RAY_SHARE = 0.1
+"""The share of the tolerance that a fragment's own ray may take up."""
+
+ERROR_FORMAT = "r32float"
+
+
+@dataclass(frozen=True)
+class Options:
+    """Options of `pervertex`.
+
+    Parameters
+    ----------
+    antialias : int
+        Samples a pixel of the picture and of the maps: 1 or 4.
+    mipmaps : bool
+        Whether maps have mipmaps.
+    resolution : float
+        Texels of a map for each pixel that it fills, along one axis.
+    projective : bool
+        Whether texture coordinates are projective; false is the paper's plain (s, t).
+    align : bool
+        Whether maps are turned to the principal directions of their rays.
+    field : float
+        Degrees: a body whose rays spread wider is too wide for one map.
+    wide : str
+        What is drawn for such a body: "patches", into which it is divided, with a map each, or "cube", a cube map at
+        its virtual viewpoint. Where there is no such point behind it, it is divided all the same.
+    bounces : int
+        How many specular surfaces a path may meet: mirrors in mirrors.
+    refine : int
+        Steps that each fragment takes through its map towards what its own ray meets; 0 is the paper.
+    start : str
+        What the steps start from: "vertices", the places that the vertex rays give; "direction", a far point along
+        each vertex ray, so that no ray is cast at all.
+    tolerance : float
+        Pixels: where what a fragment shows may be further than this from what it should, its tile of the picture is
+        traced. 0 traces nothing. At least three refinements go before.
+    overlay : str
+        What to draw over the picture: "none"; "mesh", the mirror's wireframe and a ball at each vertex ray's hit, as
+        the paper's Figure 1; "inconsistency", the fragments and the vertices that may not show what their rays meet,
+        its Figure 16.
+    """
+
+    antialias: int = option(1, choices=(1, 4))
+    mipmaps: bool = False
+    resolution: float = option(1.0, low=0.01, high=16.0)
+    projective: bool = True
+    align: bool = True
+    field: float = option(100.0, low=1.0, high=150.0, unit="degrees")
+    wide: str = option("patches", choices=("patches", "cube"))
+    bounces: int = option(2, low=1, high=MAXIMUM_BOUNCES)
+    refine: int = option(0, low=0, high=16)
+    start: str = option("vertices", choices=("vertices", "direction"))
+    tolerance: float = option(0.0, low=0.0, unit="pixels")
+    overlay: str = option("none", choices=OVERLAYS)
+
+
+OUTPUTS: dict[str, tuple[str, ...]] = {
+    "color": (COLOR_FORMAT,),
+    "color_and_depth": (COLOR_FORMAT, *MAP_FORMATS),
+    "depth": MAP_FORMATS,
+    "end": MAP_FORMATS,
+    "seen": SEEN_FORMATS,
+    "error": (ERROR_FORMAT,),
+    "inconsistency": (COLOR_FORMAT,),
+}
+"""What the shaders' fragment functions are called after, and the targets that they write."""
+
+PICTURED = ("color", "inconsistency")
+"""What is drawn into the picture itself."""
+
+IN_MAPS = {MapKind.COLOR: "color", MapKind.DEPTH: "depth", MapKind.BOTH: "color_and_depth", MapKind.END: "end"}
+
+
+class PerVertexDrawing:
+    """Draws every mirror and lens of a scene by per-vertex reflection and refraction. See `SpecularDrawing`."""
+
+    def __init__(self, stage: Stage, options: Options) -> None:
+        self._stage, self._options = stage, options
+        self._world = world = world_of(stage.geometry)
+        bodies = bodies_of(stage.view.scene, stage.geometry, world)
+        depths = options.bounces if len(bodies) > 1 else 1
+        layout = level_layout()
+        self._levels = [
+            Level(stage.buffers, layout, options.antialias, options.mipmaps, ends=depth + 1 < depths)
+            for depth in range(depths)
+        ]
+        self._mender: Mender | None = None
+        if options.tolerance > 0.0:
+            self._mender = Mender(stage, world.caster)
+            self._errors = make_texture(stage.view.size, ERROR_FORMAT)
+            self._errors_view = self._errors.create_view()
+        self._picture: Picture | None = None
+        self._camera: Camera | None = None
+        self._marks = Marks(bodies, options.overlay, options.antialias) if options.overlay != "none" else None
+        module = shader_module(
+            "gpu/vertices.wgsl", "gpu/map.wgsl",
+            *(f"methods/pervertex/{name}.wgsl" for name in ("warp", "pervertex", "lens", "doubt", "looked_up")),
+        )  # fmt: skip
+        constants: dict[str, float] = {
+            "REFINEMENTS": options.refine,
+            "MIPMAPS": int(options.mipmaps),
+            "SKY_IMAGE": int(stage.buffers.sky_image),
+        }
+
+        @cache
+        def pipeline(bends: bool, sides: int, cube: bool, output: str) -> wgpu.GPURenderPipeline:
+            kind = "refractor" if bends else "reflector"
+            return make_pipeline(
+                module,
+                f"{kind}_vertex",
+                f"{kind}_{output}",
+                OUTPUTS[output],
+                buffers=(),
+                groups=(layout,),
+                samples=options.antialias if output in PICTURED else 1,
+                cull="back",
+                depth_compare="equal" if output == "error" else "greater",
+                constants={**constants, "SIDES": sides, "CUBE": int(cube), "FOLDS": int(output == "error")},
+            )
+
+        def depth_pipeline(vertex: str, **settings: Any) -> wgpu.GPURenderPipeline:
+            settings = {"buffers": (), "groups": (layout,), "depth_compare": "always", **settings}
+            return make_pipeline(module, vertex, None, (), **settings)
+
+        self._nowhere = depth_pipeline("nowhere_vertex")
+        self._looked_up = [depth_pipeline("looked_up_vertex", constants={"REFRACTS": bends}) for bends in (0, 1)]
+        self._pipeline = pipeline
+        plan = PlanOptions(options.projective, options.align, self._mender is not None, options.start == "vertices")
+        self._pictures = Pictures(
+            world,
+            bodies,
+            self._levels,
+            PictureOptions(plan, options.field, options.wide, options.resolution),
+            # Not a method of this drawing: it would keep itself, and all that it has on the device, alive.
+            partial(_draw_in_map, pipeline),
+        )
+
+    @property
+    def replaced(self) -> tuple[int, ...]:
+        """The mirrors that show their front: the others are drawn with the scene."""
+        return () if self._picture is None else self._picture.replaced
+
+    def deformed(self, geometry: Geometry) -> None:
+        """Have the next maps and rays see the moved scene; without vertex rays nothing is cast, and no tree follows."""
+        caster = self._world.caster
+        if self._options.start == "vertices":
+            caster.moved(geometry.positions)
+        if self._mender is not None:
+            self._mender.moved(geometry)
+        self._world = world_of(geometry, caster)
+        self._pictures.moved(self._world)
+        self._camera = None
+
+    @property
+    def world(self) -> World:
+        """What the rays may hit."""
+        return self._world
+
+    def plan(self, camera: Camera) -> Picture | None:
+        """Plan all maps (steps 1 to 3) for a frame from `camera`; None where no mirror or lens is seen."""
+        balls = self._draw_balls if self._marks is not None else None
+        eye = camera.eye(self._stage.view.size)
+        self._picture = self._pictures.plan(eye, np.asarray(camera.position, float), balls)
+        return self._picture
+
+    def prepare(self, encoder: wgpu.GPUCommandEncoder, camera: Camera, shift: tuple[float, float]) -> None:
+        """Steps 1 to 3: plan all maps, and draw them; where nothing has moved, the last ones serve."""
+        if camera == self._camera:
+            return
+        self._camera = camera
+        self.plan(camera)
+        if self._marks is not None:
+            self._marks.place(self._picture, camera, self._stage.view.size, self._world)
+        looks = self._options.refine > 0 or self._mender is not None or self._options.overlay == "inconsistency"
+        kinds: Sequence[MapKind] = (MapKind.COLOR,)
+        # Steps lead anywhere in a map, mipmaps blend far texels, and samples at a triangle's border look up beside it.
+        whole = looks or self._options.mipmaps or self._options.antialias > 1
+        if looks:
+            # The balls have colour, and no depth that could be taken for the scene's.
+            at_once = self._options.antialias == 1 and self._marks is None
+            kinds = (MapKind.BOTH,) if at_once else (MapKind.COLOR, MapKind.DEPTH)
+        self._pictures.draw_maps(encoder, self._stage.buffers, kinds, None if whole else self._bound)
+
+    def _bound(self, level: Level, number: int, depth_pass: wgpu.GPURenderPassEncoder) -> None:
+        """Leave out what no fragment looks up."""
+        draw = level.lookers.get(number)
+        if draw is None:
+            return
+        level.select(depth_pass, draw.number)
+        depth_pass.set_pipeline(self._nowhere)
+        depth_pass.draw(3)
+        depth_pass.set_pipeline(self._looked_up[draw.bends])
+        depth_pass.draw(6 * draw.count, 1, 6 * draw.first)
+
+    def complete(self, target: Target, camera: Camera, shift: tuple[float, float]) -> None:
+        """Have those tiles traced in which some fragment may be wrong by more than the tolerance."""
+        if self._mender is None:
+            return
+        encoder = get_device().create_command_encoder()
+        errors = replace(target, textures=(self._errors,), attachments=(self._errors_view,))
+        render_pass = begin_pass(encoder, errors, keep_depth=True)
+        bind_scene(render_pass, self._stage.buffers, self._stage.projection)
+        self._draw("error", render_pass)
+        render_pass.end()
+        submit(encoder)
+        self._mender.trace(doubtful_tiles(read_texture(self._errors), self._options.tolerance), camera, shift)
+        self._mender.draw_over(target, self._stage.projection)
+
+    def prepare_seen(self, encoder: wgpu.GPUCommandEncoder) -> None:
+        """Draw what the maps see, for the seen buffers."""
+        kinds = [MapKind.DEPTH] if len(self._levels) == 1 else [MapKind.DEPTH, MapKind.END]
+        self._pictures.draw_maps(encoder, self._stage.buffers, kinds)
+
+    def draw_color(self, render_pass: wgpu.GPURenderPassEncoder) -> None:
+        """Step 4: the mirrors and lenses, with their maps."""
+        self._draw("inconsistency" if self._options.overlay == "inconsistency" else "color", render_pass)
+        if self._marks is not None:
+            self._marks.draw(self._picture, render_pass)
+
+    def draw_seen(self, render_pass: wgpu.GPURenderPassEncoder) -> None:
+        """The mirrors' and lenses' seen buffers."""
+        self._draw("seen", render_pass)
+        if self._mender is not None:
+            self._mender.draw_seen(render_pass)
+
+    def _draw(self, output: str, render_pass: wgpu.GPURenderPassEncoder) -> None:
+        if self._picture is not None:
+            _draw(self._pipeline, self._picture, output, render_pass)
+
+    def _draw_balls(self, kind: MapKind, render_pass: wgpu.GPURenderPassEncoder) -> None:
+        if kind == MapKind.COLOR and self._marks is not None:
+            self._marks.draw_in_map(self._picture, render_pass)
+
+    def figures(self) -> dict[str, float]:
+        """How many maps the last frame took, their texels, and the share of these that is looked up."""
+        return self._pictures.figures()
+
+    def rays(self) -> None:
+        """There is no ray for a pixel between vertices."""
+        return None
+
+
+Pipelines = Callable[[bool, int, bool, str], wgpu.GPURenderPipeline]
+"""Of a patch: whether it bends light, its sides, whether its map is a cube, and the output."""
+
+
+def _draw(pipeline: Pipelines, picture: Picture, output: str, render_pass: wgpu.GPURenderPassEncoder) -> None:
+    drawn = None
+    for draw in sorted(picture.draws, key=lambda draw: (draw.bends, draw.sides, draw.cube)):
+        chosen = pipeline(draw.bends, draw.sides, draw.cube, output)
+        if chosen is not drawn:
+            render_pass.set_pipeline(chosen)
+            drawn = chosen
+        picture.level.select(render_pass, draw.number)
+        render_pass.draw(3 * draw.count, 1, 3 * draw.first)
+
+
+def _draw_in_map(pipeline: Pipelines, picture: Picture, kind: MapKind, render_pass: wgpu.GPURenderPassEncoder) -> None:
+    _draw(pipeline, picture, IN_MAPS[kind], render_pass)
+
+
+def open_session(view: View, options: Options) -> Session:
+    """Start drawing `view` by per-vertex reflection."""
+    check_options("pervertex", options)
+    if options.start == "direction" and options.overlay != "none":
+        raise AnamorphError("pervertex: an overlay needs the vertex rays; give start=vertices")
+    if options.start == "direction" and options.tolerance > 0.0:
+        raise AnamorphError("pervertex: a tolerance needs the vertex rays; give start=vertices")
+    if options.tolerance > 0.0:
+        if options.antialias > 1:
+            raise AnamorphError("pervertex: tolerance needs antialias=1; give more samples for a smooth picture")
+        options = replace(options, refine=max(options.refine, REFINEMENTS_BEFORE_TRACING))
+        view = replace(view, scene=refined_scene(view.scene, view.size, RAY_SHARE * options.tolerance))
+    stage = Stage(view)
+    return DrawingSession(stage, PerVertexDrawing(stage, options), options.antialias)
+
+
+METHOD = Method(
+    name="pervertex",
+    summary="one image from the best virtual viewpoint, warped so that every vertex is exact",
+    source="Kakimoto et al. 2007, sections 3 and 4",
+    options=Options,
+    open=open_session,
+    refracts=True,
+)

@@ -1,0 +1,1 @@
+from anamorph.methods.raytrace.raytrace import METHOD as METHOD

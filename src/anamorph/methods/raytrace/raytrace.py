@@ -1,0 +1,188 @@
+"""The reference: a ray for every pixel that looks at a specular surface, bent as often as it meets one.
+
+Directly seen pixels are drawn as in every other method; inside the rectangle that bounds the specular surfaces each
+pixel is traced by paths.py on the CPU. Where the camera is a ray mesh, all pixels are. It is at once the truth that
+the other methods are held against, and the competitor that they must be faster than.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Generator
+from dataclasses import dataclass
+
+import numpy as np
+import wgpu
+
+from anamorph.base.errors import AnamorphError
+from anamorph.frame import View
+from anamorph.gpu.targets import Target
+from anamorph.methods.options import check_options, option
+from anamorph.methods.protocol import Method, Session
+from anamorph.methods.raytrace.pixel_rays import pixel_rays
+from anamorph.methods.session import DrawingSession, Stage
+from anamorph.methods.tracing.bounces import WORDS
+from anamorph.methods.tracing.paths import PathTracer, Rectangle, Tracing, specular_rectangle
+from anamorph.methods.tracing.tiles import Tiles, tiles_at_once
+from anamorph.raymesh import RayMesh
+from anamorph.rays.caster import Caster
+from anamorph.scene.camera import Camera
+from anamorph.scene.geometry import Geometry
+
+Colors = Callable[[np.ndarray, tuple[int, int], slice, np.ndarray], Tracing]
+"""Traces red and blue light for a band of the picture: its corner (1, 2), its size, the rows of its records, these."""
+
+
+@dataclass(frozen=True)
+class Options:
+    """Options of `raytrace`.
+
+    Parameters
+    ----------
+    truth : str
+        "surface": rays bend at the exact surface, or for a plain mesh at its interpolated normal. "raymesh": the
+        vertex rays of a mirror's or a lens's ray mesh are interpolated; not with a ray mesh as the camera.
+    bounces : int
+        How many specular surfaces a path may meet.
+    dispersion : bool
+        Whether red and blue light goes its own way through glass that has an Abbe number. Seen buffers are green's.
+    tree : str
+        How Embree's tree follows a scene that deforms: "refit", or "rebuild" where what were neighbours part for good.
+    """
+
+    truth: str = option("surface", choices=("surface", "raymesh"))
+    bounces: int = option(8, low=1, high=255)
+    dispersion: bool = True
+    tree: str = option("refit", choices=("refit", "rebuild"))
+
+
+class TracedDrawing:
+    """Replaces every pixel around the specular surfaces by a traced one. See `SpecularDrawing`."""
+
+    def __init__(self, stage: Stage, options: Options) -> None:
+        self._stage = stage
+        self._dispersion = options.dispersion
+        self.replaced = stage.buffers.specular
+        self._caster = Caster(stage.geometry)
+        self._rebuilds = options.tree == "rebuild"
+        self._tracer = PathTracer(stage.view.scene, stage.geometry, self._caster, options.bounces, options.truth)
+        self._bands: list[Tiles] = []
+        self._used = 0
+        self._looked: tuple[Camera | RayMesh, tuple[float, float]] | None = None
+        self._first: np.ndarray | None = None
+        self._room: np.ndarray | None = None
+        self._records: tuple[Rectangle, np.ndarray] | None = None
+
+    def deformed(self, geometry: Geometry) -> None:
+        """Refit or rebuild the tree."""
+        self._caster.moved(geometry.positions, self._rebuilds)
+        self._tracer.moved(geometry)
+
+    def prepare(
+        self, encoder: wgpu.GPUCommandEncoder, camera: Camera | RayMesh, shift: tuple[float, float]
+    ) -> Generator[None, None, wgpu.GPUCommandEncoder]:
+        """Trace the pixels around the specular surfaces, or all of a ray mesh's, and upload where their paths end."""
+        looked, self._looked = self._looked, (camera, shift)
+        self._used, self._records = 0, None
+        if isinstance(camera, RayMesh):
+            stays = looked is not None and looked[0] is camera and looked[1] == shift
+            yield from self._trace_mesh(camera, shift, stays)
+        else:
+            yield from self._trace_eye(camera, shift)
+        return encoder
+
+    def _trace_eye(self, camera: Camera, shift: tuple[float, float]) -> Generator[None, None, None]:
+        size = self._stage.view.size
+        rectangle = specular_rectangle(self._stage.view.scene, camera, size)
+        if rectangle is None:
+            return
+
+        def colors(corner: np.ndarray, tile: tuple[int, int], rows: slice, part: np.ndarray) -> Tracing:
+            return self._tracer.tracing_colors(camera, size, corner, tile, shift, part)
+
+        records = yield from self._tracer.tracing(camera, size, rectangle, shift, self._room)
+        yield from self._write(rectangle, records, colors)
+
+    def _trace_mesh(self, mesh: RayMesh, shift: tuple[float, float], stays: bool) -> Generator[None, None, None]:
+        size = self._stage.view.size
+        if self._first is None or not stays:
+            self._first = pixel_rays(mesh, size, shift, self._first)
+        origins, directions = self._first
+
+        def colors(corner: np.ndarray, tile: tuple[int, int], rows: slice, part: np.ndarray) -> Tracing:
+            return self._tracer.tracing_ray_colors(origins[rows], directions[rows], part)
+
+        records = yield from self._tracer.tracing_rays(origins, directions, self._room)
+        yield from self._write((0, 0, *size), records, colors)
+
+    def _write(self, rectangle: Rectangle, records: np.ndarray, colors: Colors) -> Generator[None, None, None]:
+        """Upload the records of a rectangle, in bands of as many rows as a buffer holds."""
+        self._records, self._room = (rectangle, records), records
+        x0, y0, x1, y1 = rectangle
+        width = x1 - x0
+        rows = tiles_at_once(width)
+        for top in range(y0, y1, rows):
+            bottom = min(top + rows, y1)
+            if self._used == len(self._bands):
+                self._bands.append(Tiles(self._stage.buffers))
+            own = slice((top - y0) * width, (bottom - y0) * width)
+            corner, tile = np.array([[x0, top]]), (width, bottom - top)
+            lines = (yield from colors(corner, tile, own, records[own])) if self._dispersion else None
+            self._bands[self._used].write(corner, tile, records[own], lines)
+            self._used += 1
+
+    def complete(self, target: Target, camera: Camera, shift: tuple[float, float]) -> None:
+        """There is nothing to mend."""
+
+    def prepare_seen(self, encoder: wgpu.GPUCommandEncoder) -> None:
+        """The paths carry all that the seen buffers need."""
+
+    def draw_color(self, render_pass: wgpu.GPURenderPassEncoder) -> None:
+        """The traced pixels."""
+        for band in self._bands[: self._used]:
+            band.draw_color(render_pass)
+
+    def draw_seen(self, render_pass: wgpu.GPURenderPassEncoder) -> None:
+        """The traced pixels' seen buffers."""
+        for band in self._bands[: self._used]:
+            band.draw_seen(render_pass)
+
+    def figures(self) -> dict[str, float]:
+        """Nothing but what the frame shows."""
+        return {}
+
+    def rays(self) -> tuple[np.ndarray, np.ndarray] | None:
+        """Origins and directions of each pixel's last ray: the eye's own outside the traced rectangle."""
+        if self._looked is None:
+            return None
+        camera, shift = self._looked
+        width, height = self._stage.view.size
+        origin, direction = np.zeros((2, height, width, 3), np.float32)
+        if isinstance(camera, Camera):
+            direction[:] = camera.pixel_directions((width, height), shift)
+            origin[:] = camera.position
+        if self._records is not None:
+            (x0, y0, x1, y1), records = self._records
+            traced = records.reshape(y1 - y0, x1 - x0, WORDS)
+            origin[y0:y1, x0:x1] = traced[..., 0:3]
+            direction[y0:y1, x0:x1] = traced[..., 4:7]
+        return origin, direction
+
+
+def open_session(view: View, options: Options) -> Session:
+    """Start ray tracing `view`."""
+    check_options("raytrace", options)
+    if options.truth == "raymesh" and isinstance(view.camera, RayMesh):
+        raise AnamorphError("raytrace: truth=raymesh is for mirrors and lenses that a pinhole sees; give truth=surface")
+    stage = Stage(view)
+    return DrawingSession(stage, TracedDrawing(stage, options))
+
+
+METHOD = Method(
+    name="raytrace",
+    summary="a ray for every pixel, bent at every specular surface: the truth, and the competitor",
+    source="Whitted 1980; Embree",
+    options=Options,
+    open=open_session,
+    refracts=True,
+    ray_meshes=True,
+)

@@ -1,0 +1,1 @@
+from anamorph.methods.trilinear.trilinear import METHOD as METHOD

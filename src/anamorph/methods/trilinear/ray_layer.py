@@ -1,0 +1,200 @@
+"""One layer of a picture: the rays that leave the specular surfaces first met, or those that go on from a second one.
+
+Each layer plans what its rays see, finds it for each pixel, and colours it over the layer before. The first one's rays
+come from ray_sources.py; those of the next follow from what it sees of mirrors.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Generator
+from dataclasses import dataclass
+
+import numpy as np
+import wgpu
+
+from anamorph.gpu.drawing import ProjectionUniform
+from anamorph.gpu.recording import Recorder
+from anamorph.methods.trilinear.beams import Beams, making_beams
+from anamorph.methods.trilinear.coloring import Coloring
+from anamorph.methods.trilinear.following import following_rays
+from anamorph.methods.trilinear.pairs import FRONTS, Own, Triangles
+from anamorph.methods.trilinear.pixels import seen_pixels
+from anamorph.methods.trilinear.plan import Plan, Planner
+from anamorph.methods.trilinear.ray_records import (
+    following_records,
+    pair_records,
+    piece_records,
+    straight_records,
+    triangle_records,
+)
+from anamorph.methods.trilinear.ray_sources import Rays
+from anamorph.methods.trilinear.straight.straight import straight_pieces
+from anamorph.methods.trilinear.tree import Tree
+from anamorph.methods.trilinear.visibility import FINENESS, Visibility
+
+AROUND = 1.0 / 8.0
+"""Pixels by which rays that follow are planned beyond the middles of the pixels that ask for them. Next to the curved
+mirror that they left they spread wide: a whole pixel's may see all of the scene, of which its middle sees one point."""
+
+
+@dataclass(frozen=True, eq=False)
+class World:
+    """The scene's triangles, F of them.
+
+    Parameters
+    ----------
+    tree : Tree
+    corners, normals : (F, 3, 3) float64
+    group : (F,) int32
+        See `Sources`.
+    object : (F,) int32
+        The object number of each.
+    mirror : (F,) bool
+    near : float
+        What is nearer than this to where its ray starts is that itself, metres.
+    """
+
+    tree: Tree
+    corners: np.ndarray
+    normals: np.ndarray
+    group: np.ndarray
+    object: np.ndarray
+    mirror: np.ndarray
+    near: float
+
+
+@dataclass(frozen=True, eq=False)
+class Sight:
+    """What a layer has seen in a frame, from which the next follows.
+
+    Parameters
+    ----------
+    beams : Beams
+    plan : Plan
+    records : (K,) of `RAY_TRIANGLE`
+        By the beams' numbers.
+    pairs : (P,) of `PAIR`
+    """
+
+    beams: Beams
+    plan: Plan
+    records: np.ndarray
+    pairs: np.ndarray
+
+
+@dataclass(frozen=True)
+class Straight:
+    """How straight edges are drawn: see the method's options."""
+
+    tessellate: int
+    slices: int
+    scene_clip: bool
+
+
+class Layer:
+    """One layer of light of one line of the spectrum. What may take long is done in steps."""
+
+    def __init__(
+        self, visibility: Visibility, coloring: Coloring, size: tuple[int, int], straight: Straight | None = None
+    ) -> None:
+        self.visibility, self.coloring = visibility, coloring
+        self._size, self._straight = size, straight
+        # A straight edge may show what no ray sees.
+        self._spacing = 0.0 if straight is not None else 1.0 / FINENESS if visibility.fine is not None else 1.0
+        self._planner = Planner()
+
+    def beams(self, rays: Rays, world: World) -> Generator[None, None, Beams]:
+        """The rays that exist, as functions of the picture."""
+        chosen = np.flatnonzero(rays.exists)
+        picture, origins, directions = (each[chosen] for each in (rays.picture, rays.origins, rays.directions))
+        beams = yield from making_beams(picture, origins, directions, self._size, world.near, self._spacing)
+        return beams._replace(number=chosen[beams.number].astype(np.int32))
+
+    def plan(self, rays: Rays, beams: Beams, world: World) -> Generator[None, None, Plan]:
+        """What the rays see."""
+        shown, tree = beams.number, world.tree
+        own = Own(rays.face[shown], rays.group[shown], rays.sees[shown])
+        triangles = Triangles(tree.faces, tree.low, tree.high, tree.corners, world.group)
+        return (yield from self._planner.planning(beams, triangles, own))
+
+    def first(self, rays: Rays, beams: Beams, records: np.ndarray, world: World) -> Generator[None, None, Sight]:
+        """Take over the rays that leave the surfaces first met; `records` are those of `triangle_records`."""
+        plan = yield from self.plan(rays, beams, world)
+        pairs = pair_records(beams, plan, world.group > 0)
+        self.visibility.write(records, pairs, self._pieces(rays, beams, plan, world))
+        return Sight(beams, plan, records, pairs)
+
+    def _pieces(self, rays: Rays, beams: Beams, plan: Plan, world: World) -> np.ndarray:
+        if self._straight is None:
+            return piece_records(beams, plan)
+        # Those left out may have no direction at all.
+        shown = beams.number
+        pieces = straight_pieces(
+            rays.picture[shown], rays.origins[shown], rays.directions[shown], world.corners, plan.pair[:, :2],
+            tessellate=self._straight.tessellate, slices=self._straight.slices, scene_clip=self._straight.scene_clip,
+        )  # fmt: skip
+        return straight_records(pieces)
+
+    def follow(self, before: Sight, world: World) -> Generator[None, None, Sight | None]:
+        """Take over the rays that mirrors send on which the layer before sees; None where it sees none."""
+        pair = before.plan.pair
+        chosen = np.flatnonzero((pair[:, 2] == 1) & world.mirror[pair[:, 1]])
+        box, pixels = seen_pixels(before.plan, chosen)
+        chosen, box = chosen[pixels > 0], box[pixels > 0]
+        if not len(chosen):
+            return None
+        sent = following_rays(before.beams, before.plan, chosen, world.corners, world.normals)
+        yield
+        # The rectangle of the middles of the pixels that see the mirror: pieces may reach further.
+        low_high = box + AROUND * np.array([-1.0, -1.0, 1.0, 1.0])
+        domain = low_high[:, [[0, 1], [2, 1], [2, 3], [0, 3]]] + before.beams.center[pair[chosen, 0]][:, None]
+        beams = yield from making_beams(
+            sent.picture, sent.origins, sent.directions, self._size, world.near, 1.0, domain
+        )
+        if not len(beams.number):
+            return None
+        face = pair[chosen, 1]
+        count = len(chosen)
+        nothing = np.zeros(count, np.int32)
+        rays = Rays(
+            sent.picture, sent.origins, sent.directions, np.ones((count, 3)),
+            np.ones(count, bool), np.zeros(count, bool),
+            face, world.object[face], world.group[face], np.full(count, FRONTS, np.int32), nothing,
+        )  # fmt: skip
+        plan = yield from self.plan(rays, beams, world)
+        records = following_records(
+            triangle_records(rays, beams), beams, before.beams, before.plan, before.records, before.pairs, chosen
+        )
+        yield
+        pairs = pair_records(beams, plan, world.group > 0)
+        drawn = piece_corners(records, before.beams, before.plan, chosen)
+        yield
+        self.visibility.write(drawn, pairs, piece_records(beams, plan))
+        return Sight(beams, plan, records, pairs)
+
+    def draw(
+        self, encoder: wgpu.GPUCommandEncoder, recorder: Recorder, projection: ProjectionUniform, clear: bool
+    ) -> Generator[None, None, wgpu.GPUCommandEncoder]:
+        """Find what is seen, and colour it; returns the encoder to go on with."""
+        encoder = yield from self.visibility.draw(encoder, recorder, projection)
+        if self.visibility.many:
+            encoder = recorder.part(encoder)
+            yield
+        self.coloring.draw(encoder, projection, clear)
+        if self.visibility.many:
+            encoder = recorder.part(encoder)
+            yield
+        return encoder
+
+
+def piece_corners(records: np.ndarray, beams: Beams, plan: Plan, chosen: np.ndarray) -> np.ndarray:
+    """Following ray triangles, once for each piece of their pairs, which is where they are drawn; (T,)."""
+    row = np.full(len(plan.pair), -1)
+    row[chosen] = np.arange(len(chosen))
+    pieces = np.flatnonzero(row[plan.owner] >= 0)
+    pair = plan.owner[pieces]
+    drawn = records[row[pair]]
+    place = plan.place[pieces] + beams.center[plan.pair[pair, 0]][:, None]
+    for corner in range(3):
+        drawn[f"corner_{corner}"][:, :2], drawn[f"corner_{corner}"][:, 2] = place[:, corner], 1.0
+    return drawn[drawn["number"] > 0]

@@ -1,0 +1,1 @@
+"""Casting rays at a scene."""

@@ -1,0 +1,22 @@
+"""A point through one ray triangle: where it is seen, in float64, compiled and on the device; and what cannot be seen.
+
+Source: Vallance, "Trilinear projection" (PhD thesis, 2005), chapter 3. A ray triangle is three rays: origins p and
+directions n (3, 3), the directions of any length; in between, both are interpolated with the weights (1 - u - v, u, v).
+The thesis's parametric triangle at t is the one between the points p + t n.
+
+| section | what | where |
+| --- | --- | --- |
+| 3.6, A.3 | what does not depend on the point: the triangle's frame and its cubics' coefficients | `coefficients` |
+| 3.3 | all real roots of a cubic of any degree | `cubic`; compiled, one at a time: `roots` |
+| 3.1 to 3.5, 3.8 | the rays that pass through a point | `points`: `project_points`; compiled: `solve` |
+| 3.6 | the same on the graphics device, not imported here | `device`: `project_points_on_device` |
+| 3.7 | which points, and which boxes, no ray meets | `sides`: `side_surfaces`; `boxes`: `bounding_planes` |
+| | ray triangles as rows of numbers that compiled loops read | `packed` |
+"""
+
+from anamorph.raytriangle.boxes import BoundingPlanes as BoundingPlanes
+from anamorph.raytriangle.boxes import bounding_planes as bounding_planes
+from anamorph.raytriangle.points import Projections as Projections
+from anamorph.raytriangle.points import project_points as project_points
+from anamorph.raytriangle.sides import SideSurfaces as SideSurfaces
+from anamorph.raytriangle.sides import side_surfaces as side_surfaces

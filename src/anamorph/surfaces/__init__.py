@@ -1,0 +1,1 @@
+"""Exact surfaces: what a mesh only approximates."""

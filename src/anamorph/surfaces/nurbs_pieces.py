@@ -1,0 +1,106 @@
+"""A NURBS surface as the polynomials between its knots, in one array of numbers that compiled loops evaluate.
+
+Each piece is written in powers of coordinates from -1 to 1 around its middle: that needs no room of its own, which a
+recursion over B-splines would, and stays within rounding for the degrees of CAD files.
+"""
+
+from __future__ import annotations
+
+from math import factorial
+
+import numpy as np
+
+from anamorph.base.compiled import compiled
+from anamorph.base.vectors import Vector
+from anamorph.surfaces.nurbs import NurbsSurface, basis
+
+HEAD = 9
+"""degree_u, degree_v, pieces along u and v, low u, size u, low v, size v, extent; then borders and coefficients."""
+
+Homogeneous = tuple[float, float, float, float]
+
+
+def pieces(surface: NurbsSurface) -> np.ndarray:
+    """The numbers of `surface`, (N,) float64, for `point_and_tangents`."""
+    low, high = surface.domain
+    sides, borders = [], []
+    for axis, (knots, degree) in enumerate(((surface.knots_u, surface.degree_u), (surface.knots_v, surface.degree_v))):
+        ends = np.unique(np.clip(knots, low[axis], high[axis]))
+        middles, halves = (ends[1:] + ends[:-1]) / 2.0, np.diff(ends) / 2.0
+        terms = [
+            basis(knots, degree, middles, order) * halves[:, None] ** order / factorial(order)
+            for order in range(degree + 1)
+        ]
+        sides.append(np.stack(terms, axis=1))
+        borders.append((ends - low[axis]) / (high[axis] - low[axis]))
+    weighted = np.concatenate([surface.poles * surface.weights[..., None], surface.weights[..., None]], axis=-1)
+    coefficients = np.einsum("apn,bqm,nmk->abpqk", *sides, weighted, optimize=True)
+    size = high - low
+    head = [
+        *(surface.degree_u, surface.degree_v, len(borders[0]) - 1, len(borders[1]) - 1),
+        *(low[0], size[0], low[1], size[1], surface.extent),
+    ]
+    return np.concatenate([head, *borders, coefficients.ravel()])
+
+
+@compiled
+def _piece(numbers: np.ndarray, first: int, count: int, at: float) -> tuple[int, float, float]:
+    """Which of `count` pieces holds `at`, its coordinate there from -1 to 1, and that coordinate's slope."""
+    low, high = 0, count
+    while high - low > 1:
+        middle = (low + high) // 2
+        if numbers[first + middle] <= at:
+            low = middle
+        else:
+            high = middle
+    start, stop = numbers[first + low], numbers[first + low + 1]
+    slope = 2.0 / (stop - start)
+    return low, (at - start) * slope - 1.0, slope
+
+
+@compiled
+def _multiplied(a: Homogeneous, factor: float, b: Homogeneous) -> Homogeneous:
+    """a * factor + b."""
+    return (a[0] * factor + b[0], a[1] * factor + b[1], a[2] * factor + b[2], a[3] * factor + b[3])
+
+
+@compiled
+def _quotient_slope(slope: Homogeneous, position: Vector, weight: float, scale: float) -> Vector:
+    factor = scale / weight
+    return (
+        (slope[0] - slope[3] * position[0]) * factor,
+        (slope[1] - slope[3] * position[1]) * factor,
+        (slope[2] - slope[3] * position[2]) * factor,
+    )
+
+
+@compiled
+def point_and_tangents(numbers: np.ndarray, u: float, v: float) -> tuple[Vector, Vector, Vector]:
+    """Position, and its derivatives along u and v, at parameters from 0 to 1 over the whole surface.
+
+    A little outside, the outermost piece goes on.
+    """
+    degree_u, degree_v = int(numbers[0]), int(numbers[1])
+    count_u, count_v = int(numbers[2]), int(numbers[3])
+    piece_u, s, slope_u = _piece(numbers, HEAD, count_u, u)
+    piece_v, t, slope_v = _piece(numbers, HEAD + count_u + 1, count_v, v)
+    first = HEAD + count_u + count_v + 2
+    first += (piece_u * count_v + piece_v) * (degree_u + 1) * (degree_v + 1) * 4
+    zero = (0.0, 0.0, 0.0, 0.0)
+    value, along_u, along_v = zero, zero, zero
+    for i in range(degree_u, -1, -1):
+        row, row_slope = zero, zero
+        for j in range(degree_v, -1, -1):
+            at = first + (i * (degree_v + 1) + j) * 4
+            row_slope = _multiplied(row_slope, t, row)
+            row = _multiplied(row, t, (numbers[at], numbers[at + 1], numbers[at + 2], numbers[at + 3]))
+        along_u = _multiplied(along_u, s, value)
+        value = _multiplied(value, s, row)
+        along_v = _multiplied(along_v, s, row_slope)
+    weight = value[3]
+    position = (value[0] / weight, value[1] / weight, value[2] / weight)
+    return (
+        position,
+        _quotient_slope(along_u, position, weight, slope_u),
+        _quotient_slope(along_v, position, weight, slope_v),
+    )

@@ -17,7 +17,8 @@ import pytest
 import trimesh
 from viewer_hand import Hand
 
-from anamorph.cli import commands as cli, gallery
+from anamorph import gallery
+from anamorph.cli import commands as cli
 from anamorph.bench.thesis.printed import configurations
 from anamorph.measure.figures import ROWS
 from anamorph.methods import METHODS

@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scenes import open_view, scene_with, spherical_mirror
-from test_rays import brute_force, random_rays
+from triangle_soup import brute_force, random_rays
 
 from anamorph import gallery
 from anamorph.frame import Frame

@@ -6,11 +6,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from curved_surfaces import mesh_on, sphere_surface, torus_surface, wavy
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scenes import CAMERA, SIZE, drawn, flat_mirror, open_edges, scene_with, spherical_mirror, surroundings
-from test_nurbs import sphere_surface, torus_surface
-from test_subdivision import mesh_on, wavy
 
 from anamorph.base.errors import AnamorphError
 from anamorph.gallery.spheres import mirror_ball

@@ -6,42 +6,21 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from curved_surfaces import mesh_on, sphere_surface, torus_surface, wavy
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scenes import flat_mirror, open_edges, spherical_mirror
-from test_nurbs import sphere_surface, torus_surface
 
 from anamorph.base.errors import AnamorphError
-from anamorph.gallery.shapes import lattice
 from anamorph.gallery.spheres import mirror_ball
 from anamorph.gallery.teapot import teapot
 from anamorph.scene.model import Mesh, Mirror
 from anamorph.scene.normals import doubled_areas, has_area
 from anamorph.scene.subdivision import between, split, subdivided
 from anamorph.surfaces.sag import EvenAsphere, Toroid
-from anamorph.surfaces.shapes import BezierPatch, Sphere
+from anamorph.surfaces.shapes import Sphere
 
 TILTED = np.array([[0.8, 0.0, -0.6], [0.36, 0.8, 0.48], [0.48, -0.6, 0.64]])
-
-
-def mesh_on(surface, low, high, cells=(6, 5), side=1.0):
-    """A lattice over a box of parameters, without the triangles that have no area."""
-    u, v = (np.linspace(low[axis], high[axis], cells[axis] + 1) for axis in range(2))
-    uv = np.stack([each.ravel() for each in np.meshgrid(u, v)], axis=-1)
-    positions = np.round(surface.position(uv), 9).astype(np.float32)
-    faces = lattice(cells[1] + 1, cells[0] + 1)
-    faces = faces[has_area(positions, faces)]
-    normals = side * surface.normal(uv)
-    area = doubled_areas(positions, faces)
-    outward = np.sum(area * normals[faces].mean(axis=1), axis=1) > 0.0
-    faces = np.where(outward[:, None], faces, faces[:, ::-1]).astype(np.int32)
-    return Mesh("mesh", positions, faces, normals.astype(np.float32), Mirror(), surface=surface, parameters=uv)
-
-
-def wavy():
-    control = np.stack([*np.meshgrid(np.arange(4.0), np.arange(4.0), indexing="ij"), np.zeros((4, 4))], axis=-1)
-    control[1:3, 1:3, 2] = [[1.5, -0.8], [0.4, 1.1]]
-    return BezierPatch(0.1 * control)
 
 
 POLE = next(mesh for mesh in teapot((0.0, 0.0, 0.0), 0.16, 20.0, Mirror(), 7) if mesh.name == "teapot/lid-0")

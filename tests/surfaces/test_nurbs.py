@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from curved_surfaces import CENTER, FIELDS, QUARTERS, RADIUS, sphere_surface, torus_surface
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -18,39 +19,6 @@ from anamorph.surfaces.intersection import intersect
 from anamorph.surfaces.nurbs import NurbsSurface
 from anamorph.surfaces.nurbs_pieces import pieces, point_and_tangents
 from anamorph.surfaces.shapes import Sphere
-
-HALF = np.sqrt(0.5)
-QUARTERS = np.array([0, 0, 0, 1, 1, 2, 2, 3, 3, 4, 4, 4.0])
-CENTER, RADIUS = np.array([0.3, -0.2, 0.5]), 1.4
-
-
-def ring():
-    """A unit circle of four quarters, as poles (9, 2) and weights (9,)."""
-    poles = np.array([[1, 0], [1, 1], [0, 1], [-1, 1], [-1, 0], [-1, -1], [0, -1], [1, -1], [1, 0.0]])
-    return poles, np.where(np.arange(9) % 2, HALF, 1.0)
-
-
-def revolved(profile, weights, knots, sign=1.0):
-    """Poles (P, 2) of radius and height turned about the z axis; its parts are rational quadrics."""
-    circle, round_weights = ring()
-    poles = np.zeros((9, len(profile), 3))
-    poles[..., :2] = circle[:, None] * profile[None, :, :1]
-    poles[..., 2] = profile[:, 1]
-    return NurbsSurface(poles, np.outer(round_weights, weights), QUARTERS, knots, 2, 2, sign)
-
-
-def sphere_surface(center=CENTER, radius=RADIUS, sign=1.0):
-    profile = np.array([[0, -1], [1, -1], [1, 0], [1, 1], [0, 1.0]])
-    surface = revolved(profile, np.array([1, HALF, 1, HALF, 1]), np.array([0, 0, 0, 1, 1, 2, 2, 2.0]), sign)
-    return NurbsSurface(center + radius * surface.poles, *(getattr(surface, name) for name in FIELDS))
-
-
-FIELDS = ("weights", "knots_u", "knots_v", "degree_u", "degree_v", "sign")
-
-
-def torus_surface(major, minor):
-    circle, weights = ring()
-    return revolved(minor * circle + [major, 0.0], weights, QUARTERS)
 
 
 def bumpy(seed=0, degrees=(3, 4), spans=(3, 2)):

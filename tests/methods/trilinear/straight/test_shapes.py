@@ -2,38 +2,17 @@
 
 from __future__ import annotations
 
-import csv
-from collections import defaultdict
-from pathlib import Path
-
 import numpy as np
 import pytest
 from hypothesis import Phase, example, given, settings
 from hypothesis import strategies as st
+from ray_triangles import EXACT, ROUNDED, examples, scene
 
 from anamorph.base.errors import AnamorphError
-from anamorph.bench.thesis import printed
 from anamorph.methods.trilinear.straight import project_triangle
 from anamorph.methods.trilinear.straight.connect import connect
 from anamorph.methods.trilinear.straight.shapes import _crossing
 from anamorph.raytriangle import project_points
-
-EXAMPLES = Path(printed.__file__).parent / "assets" / "c-configurations.csv"
-"""Vallance 2005, tables C.1 and C.2: scene and view triangles of figures 4.1 to 4.7, by their printed labels."""
-
-# The row printed 9 holds the numbers of the (2, 3) example: its cubics have five real roots.
-EXACT = {"2,2,2,3": [2, 2, 2, 3], "3,3,3": [3, 3, 3], "4,2,3": [2, 3, 4], "2,7": [2, 7], "9": [2, 3]}
-# These two come out otherwise for the printed numbers, and as labelled for some that round to them.
-ROUNDED = {"4,5": ([3, 4], [4, 5]), "6,3": ([3, 3, 3], [3, 6])}
-
-
-def examples():
-    rows = defaultdict(list)
-    with EXAMPLES.open() as file:
-        for row in csv.DictReader(file):
-            numbers = [value for key, value in row.items() if key not in ("printed_label", "vertex")]
-            rows[row["printed_label"]].append(numbers)
-    return rows
 
 
 def counts(numbers):
@@ -68,22 +47,6 @@ def outline(shape):
 def point_of(p, n, shape):
     w = np.stack([1.0 - shape.u - shape.v, shape.u, shape.v], axis=-1)
     return w @ p + shape.t[:, None] * (w @ n)
-
-
-def scene(seed, kind="any"):
-    random = np.random.default_rng(seed)
-    p, n, corners = random.normal(size=(3, 3, 3))
-    if kind == "narrow":
-        n = [0.0, 0.0, 1.0] + 0.4 * n
-    if kind == "one plane":
-        n[2] = n[0] - 0.4 * n[1]
-    if kind == "pinhole":
-        p = p[0] + 0.0 * p
-    if kind == "edge on":
-        corners = p + random.choice([0.0, 1.0, 3.0]) * n
-    if kind == "thin":
-        corners[2] = 0.5 * (corners[0] + corners[1])
-    return p, n, corners, random
 
 
 KINDS = st.sampled_from(["any", "narrow", "one plane", "pinhole", "edge on", "thin"])

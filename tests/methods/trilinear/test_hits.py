@@ -7,9 +7,9 @@ from functools import cache
 
 import numpy as np
 import pytest
+from lens_scenes import CAMERA as LENS_CAMERA
+from lens_scenes import PLUS, lens_of, walls
 from scenes import SIZE, drawn, open_view, scene_with
-from test_lens_frames import CAMERA as LENS_CAMERA
-from test_lens_frames import PLUS, lens_of, walls
 
 from anamorph import cameras
 from anamorph.frame import Frame, Status, View

@@ -7,12 +7,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from scenes import CAMERA, SIZE, drawn, flat_mirror, open_view, pixels_of, scene_with, spherical_mirror, surroundings
+from small_device import SmallDevice
 
 from anamorph import gallery
 from anamorph.base.errors import AnamorphError
 from anamorph.frame import Status, View
 from anamorph.gallery.shapes import box
-from anamorph.gpu.device import get_device
 from anamorph.measure.errors import silhouettes
 from anamorph.methods.tracing import tiles
 from anamorph.methods.tracing.paths import specular_rectangle
@@ -122,16 +122,6 @@ def test_a_shift_moves_the_sample_points_right_and_down(name):
     moved = session.frame(seen=True)
     assert (moved.object_id[1:, :-1] == still.object_id[:-1, 1:]).mean() > 0.999
     assert (moved.specular[1:, :-1] == still.specular[:-1, 1:]).mean() > 0.999
-
-
-class SmallDevice:
-    """The device, but for a limit of rows that one storage buffer may hold."""
-
-    def __init__(self, limit):
-        self._device, self.limits = get_device(), {**get_device().limits, "max-storage-buffer-binding-size": limit}
-
-    def __getattr__(self, name):
-        return getattr(self._device, name)
 
 
 @pytest.mark.parametrize("rows", [1, 7])

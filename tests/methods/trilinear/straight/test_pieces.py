@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from hypothesis import Phase, given, settings
 from hypothesis import strategies as st
-from test_trilinear_shapes import EXACT, ROUNDED, examples, scene
+from ray_triangles import EXACT, ROUNDED, examples, scene
 
 from anamorph.base.errors import AnamorphError
 from anamorph.methods.trilinear.straight import fill, project_triangle, straight, straight_pieces

@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 from hypothesis import Phase, given, settings
 from hypothesis import strategies as st
-from test_trilinear_points import KINDS, NEARLY, points_for, ray_triangle
-from test_trilinear_shapes import EXACT, ROUNDED, examples, scene
+from ray_triangles import EXACT, KINDS, NEARLY, ROUNDED, examples, points_for, ray_triangle, scene
 
 from anamorph.methods.trilinear.straight.chains import CORNER, EDGE, LINKS, OPEN, SHAPES, connected
 from anamorph.methods.trilinear.straight.connect import FIRST, LAST, connect

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from test_rays import geometry_of, random_rays, soup
+from triangle_soup import geometry_of, random_rays, soup
 
 from anamorph import rays
 from anamorph.gallery.shapes import lattice

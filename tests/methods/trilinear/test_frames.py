@@ -8,6 +8,7 @@ from functools import cache
 import numpy as np
 import pytest
 import trimesh
+from jittered_rays import jittered
 from scenes import CAMERA as SMALL_CAMERA
 from scenes import SIZE, drawn, flat_mirror, open_view, scene_with, spherical_mirror
 
@@ -246,18 +247,6 @@ def shell(radius: float, random: np.random.Generator) -> Scene:
         for number in range(8)
     )
     return Scene("shell", meshes, Camera((0.0, 0.0, 0.0), (0.0, 0.0, 1.0)), sky=Sky())
-
-
-def jittered(size: tuple[int, int], weighted: bool, random: np.random.Generator) -> RayMesh:
-    """200 ray triangles that fill a picture, whose rays go where they will."""
-    x, y = np.meshgrid(np.linspace(0.0, 1.0, 11), np.linspace(0.0, 1.0, 11))
-    inside = (x > 0.0) & (x < 1.0) & (y > 0.0) & (y < 1.0)
-    places = np.stack([x, y], axis=-1) + inside[..., None] * random.uniform(-0.03, 0.03, (11, 11, 2))
-    origins = np.concatenate([places - 0.5, np.zeros((11, 11, 1))], axis=-1) + 0.06 * random.normal(size=(11, 11, 3))
-    ways = np.concatenate([places - 0.5, np.ones((11, 11, 1))], axis=-1) + 0.3 * random.normal(size=(11, 11, 3))
-    rays = cameras.from_grid(origins, ways * random.uniform(0.5, 2.0, (11, 11, 1)), size)
-    weight = random.uniform(0.5, 2.0, (121, 1)) if weighted else np.ones((121, 1))
-    return replace(rays, picture=np.column_stack([places.reshape(-1, 2) * size, np.ones(121)]) * weight)
 
 
 @pytest.mark.parametrize("radius", [2.0, 2000.0])

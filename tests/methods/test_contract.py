@@ -169,7 +169,10 @@ def test_every_shader_compiles(name):
         "methods/pervertex/pervertex.wgsl": (*warp, "methods/pervertex/warp.wgsl"),
         "methods/pervertex/lens.wgsl": (*warp, "methods/pervertex/warp.wgsl"),
         "methods/pervertex/looked_up.wgsl": (*warp, "methods/pervertex/warp.wgsl", "methods/pervertex/lens.wgsl"),
-        "methods/pervertex/doubt.wgsl": (*warp, *(f"methods/pervertex/{part}.wgsl" for part in ("warp", "pervertex", "lens"))),
+        "methods/pervertex/doubt.wgsl": (
+            *warp,
+            *(f"methods/pervertex/{part}.wgsl" for part in ("warp", "pervertex", "lens")),
+        ),
         "methods/tracing/tiles.wgsl": ("gpu/vertices.wgsl",),
         "methods/trilinear/visibility.wgsl": ("gpu/vertices.wgsl",),
         "methods/trilinear/composed.wgsl": visibility,

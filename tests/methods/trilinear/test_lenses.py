@@ -7,9 +7,9 @@ from functools import cache
 
 import numpy as np
 import pytest
+from lens_scenes import CENTER, EYE, MINUS, PLUS, defined, lens_of, scene_of, slab, walls
+from lens_scenes import SIZE as PICTURE
 from scenes import drawn
-from test_lens_frames import CENTER, EYE, MINUS, PLUS, defined, lens_of, scene_of, slab, walls
-from test_lens_frames import SIZE as PICTURE
 
 from anamorph.frame import Frame, Status
 from anamorph.gallery import make

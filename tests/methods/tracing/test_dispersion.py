@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from scenes import CAMERA, SIZE, drawn, flat_mirror, open_view, scene_with, surroundings
-from test_raytrace_frames import SmallDevice
+from small_device import SmallDevice
 
 from anamorph import gallery
 from anamorph.base.errors import AnamorphError

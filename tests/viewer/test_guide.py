@@ -28,7 +28,7 @@ from anamorph.viewer.state import Half, State
 from anamorph.viewer.tasks import SWING
 from anamorph.viewer.turntable import LEG, RATE
 
-ROOT = Path(__file__).resolve().parents[1]
+ROOT = Path(__file__).resolve().parents[2]
 GUIDE = (ROOT / "docs" / "viewer.md").read_text()
 PROSE = " ".join(GUIDE.split())
 

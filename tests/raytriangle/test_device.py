@@ -14,7 +14,7 @@ import sys
 
 import numpy as np
 import pytest
-from test_trilinear_points import KINDS, NEARLY, points_for, ray_triangle
+from ray_triangles import KINDS, NEARLY, points_for, ray_triangle
 
 from anamorph.base.errors import AnamorphError
 from anamorph.raytriangle import device, project_points

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from jittered_rays import jittered
 from scenes import drawn, scene_with, spherical_mirror
-from test_trilinear_frames import jittered
 
 from anamorph import cameras
 from anamorph.base.errors import AnamorphError

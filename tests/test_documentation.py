@@ -18,8 +18,8 @@ import trimesh
 from viewer_hand import Hand
 
 from anamorph import gallery
-from anamorph.cli import commands as cli
 from anamorph.bench.thesis.printed import configurations
+from anamorph.cli import commands as cli
 from anamorph.measure.figures import ROWS
 from anamorph.methods import METHODS
 from anamorph.projection import camera_projection

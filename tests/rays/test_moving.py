@@ -10,8 +10,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from triangle_soup import geometry_of, random_rays, soup
 
-from anamorph import rays
 from anamorph.gallery.shapes import lattice
+from anamorph.rays import caster as rays
 from anamorph.rays.caster import Caster
 
 

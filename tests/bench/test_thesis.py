@@ -12,7 +12,6 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from PIL import Image
 
-from anamorph import cli
 from anamorph.base.errors import AnamorphError
 from anamorph.bench.thesis import benchmark, plots, printed
 from anamorph.bench.thesis.benchmark import CLIPPED_STRAIGHT, PARTS, QUICK, Results, measure_thesis, write_results
@@ -30,6 +29,7 @@ from anamorph.bench.thesis.printed import TESSELLATION, configurations, random_t
 from anamorph.bench.thesis.random_scene import RADIUS, random_ray_mesh, random_triangles
 from anamorph.bench.thesis.summary import exact_over_straight, summary_tables
 from anamorph.bench.thesis.sweeps import Place, RandomTime, clip_lines, lines_through, time_random
+from anamorph.cli import commands as cli
 from anamorph.frame import View
 from anamorph.methods.trilinear.straight import project_triangle
 

@@ -11,9 +11,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scenes import drawn, open_view, scene_with, spherical_mirror
 
-from anamorph import cli, gallery
+from anamorph import gallery
 from anamorph.base.errors import AnamorphError
 from anamorph.bench.deforming import COMPETITORS, DEFAULT, DeformingTimes, Phases, deforming_table, time_deforming
+from anamorph.cli import commands as cli
 from anamorph.gallery.deforming import deformed
 from anamorph.gallery.swell import deform
 from anamorph.measure.timing import Timing

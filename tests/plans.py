@@ -1,4 +1,4 @@
-"""What per-vertex drawing plans of a scene, without a device: bodies, sights, patches and maps."""
+"""What per-vertex drawing plans of a scene, without a device: bodies, their rays, patches and maps."""
 
 from __future__ import annotations
 
@@ -7,10 +7,11 @@ from dataclasses import dataclass
 import numpy as np
 from scenes import SIZE
 
-from anamorph.methods.pervertex.bodies import Sight, bodies_of, see
+from anamorph.methods.pervertex import Options
 from anamorph.methods.pervertex.division import divide, seen_faces
-from anamorph.methods.pervertex.warp import MapPlan, PlanOptions, plan_map
-from anamorph.methods.pervertex.world import World, world_of
+from anamorph.methods.pervertex.surroundings import Surroundings, surroundings_of
+from anamorph.methods.pervertex.warp import MapPlan, plan_map
+from anamorph.optics.ray_meshes import BodyRays, bodies_of, rays_of
 from anamorph.scene.camera import Camera, Eye
 from anamorph.scene.geometry import flatten
 from anamorph.scene.model import Scene
@@ -22,9 +23,9 @@ FIELD = 100.0
 class Planned:
     """The first body of a scene as an eye sees it, and the maps of its patches."""
 
-    world: World
-    sight: Sight
-    hider: np.ndarray
+    surroundings: Surroundings
+    body_rays: BodyRays
+    occluder: np.ndarray
     patches: tuple[np.ndarray, ...]
     plans: tuple[MapPlan | None, ...]
 
@@ -33,7 +34,7 @@ def planned(
     scene: Scene,
     camera: Camera | None = None,
     size: tuple[int, int] = SIZE,
-    options: PlanOptions | None = None,
+    options: Options | None = None,
     field: float = FIELD,
     eye: Eye | None = None,
 ) -> Planned:
@@ -41,18 +42,19 @@ def planned(
     camera = camera or scene.camera
     eye = eye or camera.eye(size)
     geometry = flatten(scene)
-    world = world_of(geometry)
-    sight = see(bodies_of(scene, geometry, world)[0], eye)
-    hider = world.hiders(np.asarray(camera.position, float), sight.side.optics.positions)
-    patches = divide(sight.rays, seen_faces(sight.rays, size), np.radians(field))
-    plans = [plan_map(sight, faces, hider, world, options or PlanOptions()) for faces in patches]
-    return Planned(world, sight, hider, tuple(patches), tuple(plans))
+    bodies = bodies_of(scene, geometry)
+    surroundings = surroundings_of(geometry, bodies)
+    body_rays = rays_of(bodies[0], eye)
+    occluder = surroundings.occluders(np.asarray(camera.position, float), body_rays.side.optics.positions)
+    patches = divide(body_rays.rays, seen_faces(body_rays.rays, size), np.radians(field))
+    plans = [plan_map(body_rays, faces, occluder, surroundings, options or Options()) for faces in patches]
+    return Planned(surroundings, body_rays, occluder, tuple(patches), tuple(plans))
 
 
 def plan_of(
-    scene: Scene, camera: Camera | None = None, size: tuple[int, int] = SIZE, options: PlanOptions | None = None
-) -> tuple[Sight, MapPlan | None]:
-    """The first body's sight, and the plan of the one patch that it needs."""
+    scene: Scene, camera: Camera | None = None, size: tuple[int, int] = SIZE, options: Options | None = None
+) -> tuple[BodyRays, MapPlan | None]:
+    """The first body's rays, and the plan of the one patch that it needs."""
     found = planned(scene, camera, size, options)
     assert len(found.plans) <= 1
-    return found.sight, found.plans[0] if found.plans else None
+    return found.body_rays, found.plans[0] if found.plans else None

@@ -47,6 +47,19 @@ def flat_mirror() -> Mesh:
     return plane_mirror("mirror", (-0.2, 0.35, 0.0), (0.4, 0.0, 0.0), (0.0, 0.3, 0.0))
 
 
+def part_of_mesh(mesh: Mesh, faces: np.ndarray, name: str) -> Mesh:
+    """Some faces of a mesh, with the vertices that they need."""
+    vertices, corners = np.unique(mesh.faces[faces], return_inverse=True)
+    return replace(
+        mesh,
+        name=name,
+        positions=mesh.positions[vertices],
+        normals=mesh.normals[vertices],
+        parameters=mesh.parameters[vertices],
+        faces=corners.reshape(-1, 3).astype(np.int32),
+    )
+
+
 def surroundings() -> tuple[Mesh, ...]:
     """A chequered floor with boxes on it, before the mirror and behind the eye, and two that are seen directly."""
     board = Diffuse(color=(1.0, 1.0, 1.0), texture=checkerboard(64, 2, (220, 210, 200), (60, 70, 80)))

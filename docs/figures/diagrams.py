@@ -44,7 +44,7 @@ def viewpoint() -> list[list[Panel]]:
     mirror, eye = scene.meshes[0], np.asarray(scene.camera.position)
     warp = warps(scene, (640, 480))[0]
     point = warp.plan.viewpoint[:3] / warp.plan.viewpoint[3]
-    rays = warp.sight.rays
+    rays = warp.body_rays.rays
     meshes = [
         *rays_of(eye, rays.origins, rays, 0.47, 0.55, 0.0013),
         dg.rods(dg.edges(mirror), 0.0026, dg.SURFACE, "mirror"),
@@ -78,7 +78,7 @@ def view_volume() -> list[list[Panel]]:
     eye = np.asarray(scene.camera.position)
     warp = warps(scene, (640, 480))[0]
     point = warp.plan.viewpoint[:3] / warp.plan.viewpoint[3]
-    rays, projection = warp.sight.rays, warp.plan.projections[0]
+    rays, projection = warp.body_rays.rays, warp.plan.projections[0]
     near, ends = dg.volume(projection, 0.62)
     sides = np.stack([np.broadcast_to(point, ends.shape), ends], axis=1)
     close = dg.drawing(

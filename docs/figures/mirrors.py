@@ -22,7 +22,7 @@ from anamorph.gallery.curvature_series import RADII, one_mirror
 from anamorph.measure.angles import normalized
 from anamorph.measure.continuity import continuity
 from anamorph.measure.errors import measure
-from anamorph.methods.pervertex.pervertex import Options
+from anamorph.methods.pervertex import Options
 
 THIRD = (313, 235)
 LARGE = (960, 720)

@@ -12,11 +12,12 @@ from anamorph.frame import View
 from anamorph.gpu.device import get_device
 from anamorph.gpu.drawing import submit
 from anamorph.gpu.targets import read_texture
+from anamorph.methods.pervertex import Options
 from anamorph.methods.pervertex.atlas import MapKind
-from anamorph.methods.pervertex.bodies import Sight
-from anamorph.methods.pervertex.pervertex import Options, PerVertexDrawing
+from anamorph.methods.pervertex.pervertex import PerVertexDrawing
 from anamorph.methods.pervertex.warp import MapPlan
 from anamorph.methods.session import Stage
+from anamorph.optics.ray_meshes import BodyRays
 
 
 @dataclass(frozen=True, eq=False)
@@ -27,7 +28,7 @@ class Warp:
     ----------
     name : str
         Of its body's first mesh.
-    sight : Sight
+    body_rays : BodyRays
     faces : (F,) int
         Of the patch, in the ray mesh of its body.
     plan : MapPlan
@@ -36,7 +37,7 @@ class Warp:
     """
 
     name: str
-    sight: Sight
+    body_rays: BodyRays
     faces: np.ndarray
     plan: MapPlan
     map: np.ndarray
@@ -46,13 +47,13 @@ class Warp:
         height, width = self.map.shape[:2]
         lookup = self.plan.lookups[0]
         places = lookup[:, :2] / lookup[:, 2:3] * (width, height)
-        corners = np.searchsorted(self.plan.vertices, self.sight.rays.faces[self.faces])
+        corners = np.searchsorted(self.plan.vertices, self.body_rays.rays.faces[self.faces])
         pairs = np.unique(np.sort(corners[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1), axis=0)
         return places[pairs[(lookup[pairs, 3] > 0.0).all(axis=1)]]
 
     def mesh(self, color: tuple[float, float, float], name: str) -> an.Mesh:
         """The patch as a matt mesh."""
-        optics = self.sight.side.optics
+        optics = self.body_rays.side.optics
         return an.Mesh(
             name,
             optics.positions.astype(np.float32),
@@ -79,5 +80,5 @@ def warps(scene: an.Scene, size: tuple[int, int], options: Options | None = None
         name = scene.meshes[seen.body.meshes[0]].name
         for faces, plan in zip(seen.patches, seen.plans, strict=True):
             (width, height, x, y), *_ = [next(rectangles) for _ in plan.projections]
-            found.append(Warp(name, seen.sight, faces, plan, texels[y : y + height, x : x + width]))
+            found.append(Warp(name, seen.body_rays, faces, plan, texels[y : y + height, x : x + width]))
     return found

@@ -12,7 +12,8 @@ from scenes import CAMERA, SIZE, flat_mirror, pixels_of, scene_with, sky_scene, 
 from anamorph.frame import View
 from anamorph.gallery.shapes import grid
 from anamorph.measure.continuity import border_errors, continuity
-from anamorph.methods.pervertex.pervertex import Options, PerVertexDrawing
+from anamorph.methods.pervertex import Options
+from anamorph.methods.pervertex.pervertex import PerVertexDrawing
 from anamorph.methods.session import Stage
 from anamorph.scene.model import Diffuse, Scene
 
@@ -29,7 +30,7 @@ def before_a_wall(mirror, camera=CAMERA):
 
 def planned(scene, options=DIVIDED):
     drawing = PerVertexDrawing(Stage(View(scene, scene.camera, SIZE)), options)
-    return drawing.plan(scene.camera), drawing.world
+    return drawing.plan(scene.camera).seen, drawing.surroundings
 
 
 def test_patches_of_a_flat_mirror_agree_everywhere():
@@ -66,7 +67,7 @@ def on_the_wall(plan, lookups):
 def middles(seen):
     """At each shared edge's middle: the point between its ends, and what the two patches show of the wall."""
     edges = [
-        {tuple(sorted(edge)) for face in seen.sight.rays.faces[faces] for edge in combinations(face, 2)}
+        {tuple(sorted(edge)) for face in seen.body_rays.rays.faces[faces] for edge in combinations(face, 2)}
         for faces in seen.patches
     ]
     for one, other in combinations(range(len(edges)), 2):
@@ -75,7 +76,7 @@ def middles(seen):
             for plan in (seen.plans[one], seen.plans[other]):
                 rows = plan.lookups[0, np.searchsorted(plan.vertices, ends)]
                 shown.append(on_the_wall(plan, [0.5 * rows.sum(axis=0)])[0])
-            yield seen.sight.rays.origins[list(ends)].mean(axis=0), *shown
+            yield seen.body_rays.rays.origins[list(ends)].mean(axis=0), *shown
 
 
 def seen_on_the_wall(sphere, places):
@@ -91,9 +92,9 @@ def seen_on_the_wall(sphere, places):
 
 def test_the_errors_between_are_those_of_a_twin():
     mirror = spherical_mirror(0.5)
-    picture, world = planned(before_a_wall(mirror))
-    errors = border_errors(picture, world, SIZE, np.array([0.5]))
-    twin = {tuple(np.round(point, 9)): shown for point, *shown in middles(picture.seen[0])}
+    seen, around = planned(before_a_wall(mirror))
+    errors = border_errors(seen, around, SIZE, np.array([0.5]))
+    twin = {tuple(np.round(point, 9)): shown for point, *shown in middles(seen[0])}
     assert errors.edges == len(twin) == len(errors.points)
     expected_angle, expected_pixels = [], []
     for point, place in zip(errors.points, errors.places, strict=True):
@@ -139,15 +140,15 @@ def test_one_patch_has_no_border():
         errors = continuity(View(scene, CAMERA, SIZE), Options(field=100.0))
         assert errors.edges == errors.left_out == len(errors.points) == 0
         assert errors.angular.max is errors.in_picture.median is None
-    nothing = border_errors(None, None, SIZE)
+    nothing = border_errors([], None, SIZE)
     assert nothing.edges == 0 and nothing.places.shape == (0, 2)
 
 
 def test_an_edge_without_a_place_in_a_map_is_counted_and_left_out():
-    picture, world = planned(before_a_wall(spherical_mirror(0.5)))
-    before = border_errors(picture, world, SIZE)
-    plan = picture.seen[0].plans[0]
+    seen, around = planned(before_a_wall(spherical_mirror(0.5)))
+    before = border_errors(seen, around, SIZE)
+    plan = seen[0].plans[0]
     plan.lookups[0, :, 3] = 0.0
-    after = border_errors(picture, world, SIZE)
+    after = border_errors(seen, around, SIZE)
     assert before.left_out == 0 < after.left_out < after.edges == before.edges
     assert len(after.points) == len(before.points) - 8 * after.left_out

@@ -91,7 +91,7 @@ def test_a_sky_pixel_goes_as_far_as_the_scene_is_large():
         assert [stop.name for stop in found.path] == names and found.seen == found.truth == "sky"
         assert found.point is None and found.distance is None and found.status == "sky"
         last = points(found)[-1] - points(found)[-2]
-        assert np.linalg.norm(last) == pytest.approx(space.world.diagonal, rel=1e-5)
+        assert np.linalg.norm(last) == pytest.approx(space.surroundings.diagonal, rel=1e-5)
         assert last / np.linalg.norm(last) == pytest.approx(frame.position[pixel[1], pixel[0]], abs=1e-5)
 
 
@@ -113,7 +113,7 @@ def test_the_path_ends_where_the_truth_does(name):
             continue
         ended += 1
         assert path[-1].name == scene.meshes[number - 1].name
-        assert end == pytest.approx(position, rel=1e-5, abs=1e-6 * space.world.diagonal)
+        assert end == pytest.approx(position, rel=1e-5, abs=1e-6 * space.surroundings.diagonal)
     assert ended > 10
 
 

@@ -11,9 +11,8 @@ from scenes import CAMERA, CENTER, SIZE, flat_mirror, scene_with, sky_scene, sph
 from anamorph import gallery
 from anamorph.gallery.flat_mirror import plane_mirror
 from anamorph.gallery.shapes import box
-from anamorph.methods.pervertex.pictures import PictureOptions
-from anamorph.methods.pervertex.warp import PlanOptions
-from anamorph.methods.tracing.paths import PathTracer
+from anamorph.methods.pervertex import Options, seen_bodies
+from anamorph.methods.tracing import PathTracer
 from anamorph.raymesh import RayStatus
 from anamorph.scene.camera import Camera
 from anamorph.scene.model import Diffuse, Glass, Mirror, Scene
@@ -27,7 +26,6 @@ from anamorph.viewer.space import (
     frustum,
     hit_marks,
     path_marks,
-    seen_bodies,
     space_marks,
     viewpoint_marks,
     viewpoint_of,
@@ -36,13 +34,13 @@ from anamorph.viewer.space import (
 from anamorph.viewer.state import Drawing, Half, State
 from anamorph.viewer.wires import wires_of
 
-OPTIONS = PictureOptions(PlanOptions(), field=100.0, wide="patches", resolution=1.0)
+OPTIONS = Options()
 ASIDE = Camera((1.5, 1.8, 2.5), (0.0, 0.5, 0.0))
 
 
-def seen_in(scene: Scene, camera: Camera | None = None, options: PictureOptions = OPTIONS):
+def seen_in(scene: Scene, camera: Camera | None = None, options: Options = OPTIONS):
     space = Space(scene)
-    return space, seen_bodies(space, camera or scene.camera, SIZE, options)
+    return space, seen_bodies(space.bodies, space.surroundings, camera or scene.camera, SIZE, options)
 
 
 def state_of(scene: Scene, *drawings: Drawing, method: str = "pervertex", observer: Camera | None = None) -> State:
@@ -68,8 +66,8 @@ def test_a_flat_mirrors_viewpoint_is_the_eyes_mirror_image():
     space, (seen,) = seen_in(scene_with(flat_mirror()))
     (plan,) = seen.plans
     image = np.array(CAMERA.position) * [1.0, 1.0, -1.0]
-    assert viewpoint_of(plan, space.world.diagonal) == pytest.approx(image, abs=1e-6)
-    marks = viewpoint_marks(seen, space.world.diagonal)
+    assert viewpoint_of(plan, space.surroundings.diagonal) == pytest.approx(image, abs=1e-6)
+    marks = viewpoint_marks(seen, space.surroundings.diagonal)
     assert marks.dots.centers == pytest.approx(image[None], abs=1e-6)
     # Every line runs from its vertex through the viewpoint, and a little further.
     starts, ends = np.moveaxis(marks.segments.ends.astype(float), 1, 0)
@@ -82,7 +80,7 @@ def test_a_hits_mirror_image_stands_behind_its_crossing_of_wires():
     met = np.isfinite(seen.distances)
     assert met.sum() >= 2
     images = seen.hits[met] * [1.0, 1.0, -1.0]
-    corners = seen.sight.side.optics.positions[met]
+    corners = seen.body_rays.side.optics.positions[met]
     shown, crossing = (CAMERA.picture(points, SIZE) for points in (images, corners))
     assert shown[:, :2] / shown[:, 2:] == pytest.approx(crossing[:, :2] / crossing[:, 2:], abs=1e-3)
     # And each stands on something: on the floor, or on a side of a box.
@@ -100,7 +98,9 @@ def test_a_small_spherical_mirrors_viewpoint_is_the_paraxial_image(radius, dista
     (plan,) = seen.plans
     # 1 / image = 1 / distance + 2 / radius, behind the mirror.
     image = 1.0 / (1.0 / distance + 2.0 / radius)
-    assert viewpoint_of(plan, space.world.diagonal) == pytest.approx(CENTER - [0.0, 0.0, image], rel=2e-3, abs=2e-3)
+    assert viewpoint_of(plan, space.surroundings.diagonal) == pytest.approx(
+        CENTER - [0.0, 0.0, image], rel=2e-3, abs=2e-3
+    )
 
 
 @pytest.mark.parametrize("distance", [0.7, 0.6998])
@@ -108,26 +108,26 @@ def test_a_viewpoint_at_infinity_or_nearly_so_is_no_dot_and_leaves_parallel_line
     # From the focus of a concave mirror rays run on as parallels.
     eye = Camera(np.add(CENTER, (0.0, 0.0, distance)).tolist(), CENTER.tolist(), field_of_view=4.0)
     space, (seen,) = seen_in(scene_with(spherical_mirror(-1.4, 4, (0.001, 0.001)), camera=eye))
-    assert viewpoint_of(seen.plans[0], space.world.diagonal) is None
-    marks = viewpoint_marks(seen, space.world.diagonal)
+    assert viewpoint_of(seen.plans[0], space.surroundings.diagonal) is None
+    marks = viewpoint_marks(seen, space.surroundings.diagonal)
     assert len(marks.dots.centers) == 0 and finite(marks)
     ways = np.diff(marks.segments.ends, axis=1)[:, 0]
-    assert ways == pytest.approx(np.tile([0.0, 0.0, -space.world.diagonal], (len(ways), 1)), rel=1e-2, abs=0.05)
+    assert ways == pytest.approx(np.tile([0.0, 0.0, -space.surroundings.diagonal], (len(ways), 1)), rel=1e-2, abs=0.05)
 
 
 def test_hits_are_where_the_traced_paths_of_the_vertices_end():
     scene = scene_with(spherical_mirror())
     space, (seen,) = seen_in(scene)
-    vertices = seen.sight.side.optics.positions
+    vertices = seen.body_rays.side.optics.positions
     eye = np.tile(np.array(CAMERA.position), (len(vertices), 1))
-    records = PathTracer(scene, space.geometry, space.world.caster).trace_rays(eye, vertices - eye).astype(float)
+    records = PathTracer(scene, space.geometry, space.surroundings.caster).trace_rays(eye, vertices - eye).astype(float)
     ends = records[:, :3] + records[:, 11:12] * records[:, 4:7]
     bent = (records.astype(np.float32).view(np.uint32)[:, 7] >> 24) == 1
-    known = bent & np.isfinite(seen.distances) & (seen.sight.rays.status == RayStatus.OK)
+    known = bent & np.isfinite(seen.distances) & (seen.body_rays.rays.status == RayStatus.OK)
     known &= np.isfinite(ends).all(axis=1)
     assert known.sum() > 30
     assert np.median(np.linalg.norm(ends[known] - seen.hits[known], axis=1)) < 1e-4
-    marks = hit_marks(seen, space.world.diagonal)
+    marks = hit_marks(seen, space.surroundings.diagonal)
     among = np.abs(marks.dots.centers[:, None] - seen.hits[None]).max(axis=2).min(axis=1)
     assert among.max() < 1e-5
     assert len(marks.dots.centers) == np.isfinite(seen.distances).sum()
@@ -135,11 +135,11 @@ def test_hits_are_where_the_traced_paths_of_the_vertices_end():
 
 def test_rays_into_the_sky_have_no_ball_but_go_some_way():
     space, (seen,) = seen_in(sky_scene(spherical_mirror()))
-    marks = hit_marks(seen, space.world.diagonal, CAMERA)
+    marks = hit_marks(seen, space.surroundings.diagonal, CAMERA)
     assert len(marks.dots.centers) == 0 and finite(marks)
     assert len(marks.segments.ends) == 2 * len(seen.hits)
     lengths = np.linalg.norm(np.diff(marks.segments.ends, axis=1), axis=2).ravel()
-    assert lengths[: len(seen.hits)] == pytest.approx(space.world.diagonal, rel=1e-5)
+    assert lengths[: len(seen.hits)] == pytest.approx(space.surroundings.diagonal, rel=1e-5)
 
 
 def inside_of(points: np.ndarray, near: np.ndarray, far: np.ndarray) -> np.ndarray:
@@ -160,19 +160,19 @@ def test_the_view_volumes_embrace_the_hits(make, wide):
     space, (seen,) = seen_in(scene_with(make()), options=replace(OPTIONS, field=30.0, wide=wide))
     for plan in seen.plans:
         met = np.isfinite(plan.distances) & (plan.lookups[0, :, 3] > 0.0)
-        volumes = [frustum(each, plan, space.world.diagonal) for each in plan.projections]
+        volumes = [frustum(each, plan, space.surroundings.diagonal) for each in plan.projections]
         assert all(np.isfinite(corners).all() for volume in volumes for corners in volume)
         depth = np.max([inside_of(plan.hits[met], *volume) for volume in volumes], axis=0)
         # Between a near part and a far one nothing is drawn where the lines cross.
-        assert (depth > -1e-4 * space.world.diagonal).mean() > (0.9 if len(volumes) == 2 else 0.999)
+        assert (depth > -1e-4 * space.surroundings.diagonal).mean() > (0.9 if len(volumes) == 2 else 0.999)
 
 
 def test_a_view_volume_begins_at_its_near_plane_and_ends_before_the_lines_cross():
     space, (seen,) = seen_in(scene_with(spherical_mirror(-0.5)))
     (plan,) = seen.plans
-    crossing = viewpoint_of(plan, space.world.diagonal)
+    crossing = viewpoint_of(plan, space.surroundings.diagonal)
     before = plan.projections[-1]
-    near, far = frustum(before, plan, space.world.diagonal)
+    near, far = frustum(before, plan, space.surroundings.diagonal)
     clip = np.column_stack([near, np.ones(4)]) @ before.clip.T
     assert clip[:, 2] / clip[:, 3] == pytest.approx(1.0, abs=1e-6)
     assert np.abs(clip[:, :2] / clip[:, 3:]) == pytest.approx(1.0, abs=1e-6)
@@ -231,7 +231,7 @@ def test_all_that_the_state_asks_for_is_drawn_and_nothing_else():
     scene = scene_with(spherical_mirror())
     space = Space(scene)
     assert len(space_marks(space, state_of(scene), CAMERA, SIZE).segments.ends) == 0
-    assert "world" not in vars(space), "nothing is prepared that is not drawn"
+    assert "surroundings" not in vars(space), "nothing is prepared that is not drawn"
     sizes = {}
     for drawing in Drawing:
         marks = space_marks(space, state_of(scene, drawing), CAMERA, SIZE)
@@ -264,7 +264,7 @@ def test_built_in_scenes_are_drawn_with_finite_numbers_and_not_too_many_rays(nam
     marks = space_marks(space, state_of(scene, *Drawing, observer=ASIDE), scene.camera, (320, 240))
     assert finite(marks)
     assert len(marks.dots.centers) <= len(space.bodies) * (MOST_HITS + 2 * MOST_RAYS)
-    assert np.abs(marks.segments.ends).max() < 50.0 * space.world.diagonal
+    assert np.abs(marks.segments.ends).max() < 50.0 * space.surroundings.diagonal
 
 
 def test_glass_that_is_no_lens_has_wires_alone():

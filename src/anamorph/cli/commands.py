@@ -238,7 +238,7 @@ def _demo(arguments: argparse.Namespace) -> None:
 def _remedy(specification: str, ended: bool) -> str:
     """What to ask for where pixels got no answer: more bounces if most paths `ended`, or tracing."""
     from anamorph.methods import parse
-    from anamorph.methods.pervertex.pervertex import MAXIMUM_BOUNCES
+    from anamorph.methods.pervertex import MAXIMUM_BOUNCES
 
     method, options = parse(specification)
     if method.name != "pervertex":

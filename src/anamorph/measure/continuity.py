@@ -8,7 +8,7 @@ map.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -16,12 +16,10 @@ import numpy as np
 from anamorph.frame import View
 from anamorph.measure.angles import angles_between, normalized, picture_distances
 from anamorph.measure.errors import Statistics, statistics
-from anamorph.methods.pervertex.inconsistency import map_lines, shown_distances
-from anamorph.methods.pervertex.pervertex import Options, PerVertexDrawing
-from anamorph.methods.pervertex.pictures import Picture, Seen
-from anamorph.methods.pervertex.warp import MapPlan
-from anamorph.methods.pervertex.world import World
-from anamorph.methods.session import Stage
+from anamorph.methods import pervertex
+from anamorph.methods.pervertex import MapPlan, Options, Seen, Surroundings
+from anamorph.optics.ray_meshes import bodies_of
+from anamorph.scene.geometry import flatten
 
 ALONG = (np.arange(8) + 0.5) / 8.0
 """Where along an edge the error is measured, in parts of its length."""
@@ -73,27 +71,31 @@ class BorderErrors:
 
 def continuity(view: View, options: Options | None = None, along: np.ndarray = ALONG) -> BorderErrors:
     """Plan a frame of `view` with the `options` of `pervertex`, and measure it along its borders."""
-    drawing = PerVertexDrawing(Stage(view), options or Options())
-    return border_errors(drawing.plan(view.pinhole), drawing.world, view.size, along)
+    geometry = flatten(view.scene)
+    bodies = bodies_of(view.scene, geometry)
+    surroundings = pervertex.surroundings_of(geometry, bodies)
+    seen = pervertex.seen_bodies(bodies, surroundings, view.pinhole, view.size, options or Options())
+    return border_errors(seen, surroundings, view.size, along)
 
 
 def border_errors(
-    picture: Picture | None, world: World, size: tuple[int, int], along: np.ndarray = ALONG
+    seen: Sequence[Seen], surroundings: Surroundings, size: tuple[int, int], along: np.ndarray = ALONG
 ) -> BorderErrors:
-    """Measure the warp of a picture, before any refinement, along the borders of its patches.
+    """Measure the warp of an image, before any refinement, along the borders of its patches.
 
     Parameters
     ----------
-    picture : Picture or None
-    world : World
-        The same that the picture was planned in.
+    seen : sequence of Seen
+        What the image shows.
+    surroundings : Surroundings
+        The same that the maps were planned in.
     size : (width, height)
         Of the picture, pixels; what lies outside it is not measured.
     along : (M,) float64
         Where on each edge, 0 to 1.
     """
-    parts = [] if picture is None else [part for seen in picture.seen for part in _borders(seen)]
-    measured = [_measured(part, world, size, np.asarray(along, float)) for part in parts]
+    parts = [part for each in seen for part in _borders(each)]
+    measured = [_measured(part, surroundings, size, np.asarray(along, float)) for part in parts]
     columns = [np.concatenate(column) for column in zip(*measured, strict=True)] if measured else _nothing()
     edges, left_out = sum(len(part.ends) for part in parts), sum(int((~part.usable).sum()) for part in parts)
     points, places, where, angles, pixels = columns
@@ -117,7 +119,7 @@ def _nothing() -> list[np.ndarray]:
 
 def _borders(seen: Seen) -> Iterator[_Border]:
     """Each pair of patches that share edges. An edge of more than two faces counts between any two that follow."""
-    rays = seen.sight.rays
+    rays = seen.body_rays.rays
     same = _welded(rays.origins, rays.unit_directions())
     corners = np.concatenate([rays.faces[faces] for faces in seen.patches])
     patch = np.repeat(np.arange(len(seen.patches)), [len(faces) for faces in seen.patches])
@@ -150,9 +152,11 @@ def _lookups(plan: MapPlan, vertices: np.ndarray) -> np.ndarray:
     return plan.lookups[0, np.searchsorted(plan.vertices, vertices)]
 
 
-def _measured(border: _Border, world: World, size: tuple[int, int], along: np.ndarray) -> tuple[np.ndarray, ...]:
+def _measured(
+    border: _Border, surroundings: Surroundings, size: tuple[int, int], along: np.ndarray
+) -> tuple[np.ndarray, ...]:
     """Points, places, where they are along their edges, angles and errors in pixels of one border."""
-    rays, lens = border.seen.sight.rays, border.seen.sight.side.optics.positions
+    rays, lens = border.seen.body_rays.rays, border.seen.body_rays.side.optics.positions
     pair, corners = border.ends[border.usable], border.corners[border.usable]
     ends = pair[:, 0]
 
@@ -165,7 +169,7 @@ def _measured(border: _Border, world: World, size: tuple[int, int], along: np.nd
     places = homogeneous[:, :2] / homogeneous[:, 2:]
     inside = ((places >= 0.0) & (places <= size)).all(axis=1)
     found = [
-        _found(plan, between(_lookups(plan, pair[:, number])), origins, world, border.seen.body.meshes)
+        _found(plan, between(_lookups(plan, pair[:, number])), origins, surroundings, border.seen.body_rays.body.meshes)
         for number, plan in enumerate(border.plans)
     ]
     (toward, _), (other, distances) = found
@@ -177,11 +181,11 @@ def _measured(border: _Border, world: World, size: tuple[int, int], along: np.nd
 
 
 def _found(
-    plan: MapPlan, lookups: np.ndarray, origins: np.ndarray, world: World, meshes: tuple[int, ...]
+    plan: MapPlan, lookups: np.ndarray, origins: np.ndarray, surroundings: Surroundings, meshes: tuple[int, ...]
 ) -> tuple[np.ndarray, np.ndarray]:
     """Unit directions from `origins` to what a map shows at `lookups` (N, 4), and how far that is; sky is infinite."""
-    starts, lines = map_lines(plan, lookups)
-    distances = shown_distances(starts, lines, meshes, world)
+    starts, lines = pervertex.map_lines(plan, lookups)
+    distances = pervertex.shown_distances(starts, lines, meshes, surroundings)
     hits = starts + np.where(np.isfinite(distances), distances, 0.0)[:, None] * lines
     sky = ~np.isfinite(distances)
     toward = normalized(np.where(sky[:, None], lines, hits - origins))
@@ -190,7 +194,7 @@ def _found(
 
 def _footprints(border: _Border, corners: np.ndarray, homogeneous: np.ndarray, distances: np.ndarray) -> np.ndarray:
     """How the point at a distance along the ray moves when one moves by a pixel, (N, 3, 2): by the face's own rays."""
-    rays = border.seen.sight.rays
+    rays = border.seen.body_rays.rays
     infinite = ~np.isfinite(distances)
     ahead = np.where(infinite, 1.0, distances)[:, None]
     moved = ahead * rays.unit_directions()[corners].swapaxes(0, 1)

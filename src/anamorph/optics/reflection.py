@@ -32,9 +32,7 @@ class Reflector:
 def reflector(mesh: Mesh) -> Reflector:
     """Prepare a mirror mesh for `reflected_rays`, once for all frames."""
     if not isinstance(mesh.material, Mirror):
-        raise AnamorphError(
-            f"mesh {mesh.name!r}: is no mirror and no lens, whose rays truth=raymesh is for; use raytrace:truth=surface"
-        )
+        raise AnamorphError(f"mesh {mesh.name!r}: does not reflect; give it the material Mirror")
     if mesh.surface is not None and mesh.parameters is not None:
         exact = mesh.surface.normal(mesh.parameters)
         # The mesh says which side is the mirror: one cut from a sphere may be its inside.

@@ -10,7 +10,7 @@ from anamorph.base.errors import AnamorphError
 from anamorph.frame import Frame
 from anamorph.measure.errors import ErrorMaps
 from anamorph.measure.status import STATUS_NAMES
-from anamorph.methods.tracing.paths import PathTracer
+from anamorph.methods.tracing import PathTracer
 from anamorph.scene.camera import Camera
 from anamorph.scene.model import Scene
 from anamorph.viewer.facts import Inspection, Stop, Vector
@@ -90,7 +90,7 @@ def trace_path(space: Space, camera: Camera, size: tuple[int, int], pixel: tuple
 
     A path into the sky ends as far away as the scene is large.
     """
-    tracer = PathTracer(space.scene, space.geometry, space.world.caster)
+    tracer = PathTracer(space.scene, space.geometry, space.surroundings.caster)
     direction = camera.directions(np.add(pixel, 0.5), size)
     records = tracer.follow(np.asarray(camera.position, float), direction)
     triangles = records.view(np.int32)[:, 3]
@@ -99,7 +99,7 @@ def trace_path(space: Space, camera: Camera, size: tuple[int, int], pixel: tuple
         for triangle in triangles
     ]
     last = records[-1].astype(float)
-    far = last[11] if np.isfinite(last[11]) else space.world.diagonal
+    far = last[11] if np.isfinite(last[11]) else space.surroundings.diagonal
     # A ray begins where the one before it has ended.
     points = [*records[1:, :3].astype(float), last[:3] + far * last[4:7]]
     stops = [Stop(name, _vector(point)) for name, point in zip(names, points, strict=True)]

@@ -8,12 +8,12 @@ from itertools import product
 import numpy as np
 
 from anamorph.base.vectors import Vector
-from anamorph.methods.environment.environment import reflectors
 from anamorph.optics.laws import reflect
 from anamorph.rays.caster import Caster
 from anamorph.scene.camera import Camera
 from anamorph.scene.geometry import flatten
 from anamorph.scene.model import Glass, Scene
+from anamorph.scene.parts import specular_parts
 
 ASIDE = np.radians([55.0, 80.0, 30.0, 105.0])
 """Angles between where the eye stands and where the observer does, seen from above the mirror, the best first."""
@@ -110,7 +110,8 @@ def first_observer(scene: Scene, camera: Camera) -> Camera:
 def _sight(scene: Scene, camera: Camera, caster: Caster | None) -> _Sight:
     eye, forward = np.asarray(camera.position, float), camera.axes()[2]
     boxes = []
-    for group in reflectors(scene):
+    for part in specular_parts(scene.meshes).values():
+        group = [index for index in part if scene.meshes[index].specular]
         positions = np.concatenate([scene.meshes[index].positions for index in group]).astype(float)
         boxes.append((group, positions.min(axis=0), positions.max(axis=0)))
     if not boxes:

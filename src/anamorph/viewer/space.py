@@ -7,19 +7,15 @@ and 4.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 
 from anamorph.base.errors import AnamorphError
 from anamorph.methods import parse
-from anamorph.methods.pervertex import pervertex
-from anamorph.methods.pervertex.bodies import Body, bodies_of, see
-from anamorph.methods.pervertex.division import seen_faces
-from anamorph.methods.pervertex.pictures import PictureOptions, Seen, plan_patches
-from anamorph.methods.pervertex.warp import MapPlan, PlanOptions
-from anamorph.methods.pervertex.world import World, world_of
+from anamorph.methods.pervertex import MapPlan, Options, Seen, Surroundings, seen_bodies, surroundings_of
+from anamorph.optics.ray_meshes import Body, bodies_of
 from anamorph.projection import Projection
 from anamorph.raymesh import RayStatus
 from anamorph.scene.camera import Camera
@@ -72,17 +68,17 @@ class Space:
         return flatten(self.scene)
 
     @cached_property
-    def world(self) -> World:
-        """What rays may hit."""
-        return world_of(self.geometry)
-
-    @cached_property
     def bodies(self) -> tuple[Body, ...]:
         """Mirrors and lenses; none where the scene has glass that no ray mesh is made of."""
         try:
-            return bodies_of(self.scene, self.geometry, self.world)
+            return bodies_of(self.scene, self.geometry)
         except AnamorphError:
             return ()
+
+    @cached_property
+    def surroundings(self) -> Surroundings:
+        """What rays may hit."""
+        return surroundings_of(self.geometry, self.bodies)
 
     @cached_property
     def wires(self) -> Wires:
@@ -111,39 +107,22 @@ def space_marks(
     shown = state.observer or looking
     seen: list[Seen] = []
     if state.drawings & {Drawing.HITS, Drawing.VIEWPOINT, Drawing.VOLUME}:
-        seen = seen_bodies(space, looking, size, _picture_options(state))
+        seen = seen_bodies(space.bodies, space.surroundings, looking, size, _map_options(state))
     parts = []
     if Drawing.VOLUME in state.drawings:
-        parts += [volume_marks(each, space.world.diagonal) for each in seen]
+        parts += [volume_marks(each, space.surroundings.diagonal) for each in seen]
     if Drawing.VIEWPOINT in state.drawings:
-        parts += [viewpoint_marks(each, space.world.diagonal) for each in seen]
+        parts += [viewpoint_marks(each, space.surroundings.diagonal) for each in seen]
     if Drawing.WIREFRAME in state.drawings:
         parts.append(wire_marks(space.wires, shown, size))
     if Drawing.HITS in state.drawings:
         eye = looking if state.observer else None
-        parts += [hit_marks(each, space.world.diagonal, eye) for each in seen]
+        parts += [hit_marks(each, space.surroundings.diagonal, eye) for each in seen]
     if state.observer is not None:
         parts.append(eye_marks(looking, size, _eye_depth(space, looking)))
     if inspection is not None:
         parts.append(path_marks(inspection))
     return joined(parts)
-
-
-def seen_bodies(space: Space, camera: Camera, size: tuple[int, int], options: PictureOptions) -> list[Seen]:
-    """The mirrors and lenses that `camera` sees, with the maps that show them: steps 1 to 3 of the paper."""
-    eye, position, found = camera.eye(size), np.asarray(camera.position, float), []
-    for body in space.bodies:
-        sight = see(body, eye)
-        hider = space.world.hiders(position, sight.side.optics.positions)
-        planned = plan_patches(sight, seen_faces(sight.rays, size), hider, space.world, options)
-        shown = [(faces, plan) for faces, plan in planned if plan is not None]
-        hits, distances = np.zeros((len(hider), 3)), np.full(len(hider), np.inf)
-        for _, plan in shown:
-            hits[plan.vertices], distances[plan.vertices] = plan.hits, plan.distances
-        if shown:
-            plans, patches = tuple(plan for _, plan in shown), tuple(faces for faces, _ in shown)
-            found.append(Seen(body, sight, hits, distances, plans, patches))
-    return found
 
 
 def wire_marks(wires: Wires, shown: Camera, size: tuple[int, int]) -> Marks:
@@ -160,7 +139,7 @@ def wire_marks(wires: Wires, shown: Camera, size: tuple[int, int]) -> Marks:
 
 def hit_marks(seen: Seen, diagonal: float, eye: Camera | None = None) -> Marks:
     """A ball where each vertex ray hits, and the way there: Figure 1; from the `eye` on, if another one looks."""
-    rays, vertices, drawn = seen.sight.rays, seen.sight.side.optics.positions, _drawn_rays(seen)
+    rays, vertices, drawn = seen.body_rays.rays, seen.body_rays.side.optics.positions, _drawn_rays(seen)
     sky = ~np.isfinite(seen.distances)
     reach = seen.distances[~sky].max(initial=0.0) or diagonal
     ends = np.where(sky[:, None], rays.origins + reach * rays.unit_directions(), seen.hits)[drawn]
@@ -168,7 +147,7 @@ def hit_marks(seen: Seen, diagonal: float, eye: Camera | None = None) -> Marks:
     if eye is None:
         color[:, 3] *= WITHIN_ALPHA
     parts = [line_marks(between(rays.origins[drawn], ends), color)]
-    if seen.sight.bends:
+    if seen.body_rays.side.refracts:
         parts.append(line_marks(between(vertices[drawn], rays.origins[drawn]), color))
     if eye is not None:
         parts.append(line_marks(between(eye.position, vertices[drawn]), EYE_RAY))
@@ -178,7 +157,7 @@ def hit_marks(seen: Seen, diagonal: float, eye: Camera | None = None) -> Marks:
 
 def viewpoint_marks(seen: Seen, diagonal: float) -> Marks:
     """Each map's virtual viewpoint, and the rays drawn on through where they pass it: Figure 3."""
-    rays, directions, drawn, parts = seen.sight.rays, seen.sight.rays.unit_directions(), _drawn_rays(seen), []
+    rays, directions, drawn, parts = seen.body_rays.rays, seen.body_rays.rays.unit_directions(), _drawn_rays(seen), []
     for plan in seen.plans:
         vertices = np.intersect1d(plan.vertices, drawn)
         origins, ways = rays.origins[vertices], directions[vertices]
@@ -278,7 +257,7 @@ def path_marks(inspection: Inspection) -> Marks:
 def _drawn(seen: Seen) -> np.ndarray:
     """The vertices whose hits are drawn, (N,): of those that have a map and face the eye."""
     vertices = np.unique(np.concatenate([plan.vertices for plan in seen.plans]))
-    return _thinned(vertices[seen.sight.rays.status[vertices] == RayStatus.OK], MOST_HITS)
+    return _thinned(vertices[seen.body_rays.rays.status[vertices] == RayStatus.OK], MOST_HITS)
 
 
 def _drawn_rays(seen: Seen) -> np.ndarray:
@@ -297,9 +276,8 @@ def _eye_depth(space: Space, camera: Camera) -> float:
     return EYE_DEPTH * float(away.min())
 
 
-def _picture_options(state: State) -> PictureOptions:
+def _map_options(state: State) -> Options:
     """Of the maps that the picture shows, or would by per-vertex reflection."""
     chosen: Sequence[object] = [parse(half.method)[1] for half in state.halves]
-    options = next((each for each in chosen if isinstance(each, pervertex.Options)), pervertex.Options())
-    plan = PlanOptions(options.projective, options.align, strict=options.tolerance > 0.0)
-    return PictureOptions(plan, options.field, options.wide, options.resolution)
+    options = next((each for each in chosen if isinstance(each, Options)), Options())
+    return replace(options, start="vertices")

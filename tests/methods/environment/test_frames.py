@@ -17,7 +17,8 @@ from anamorph.gallery.shapes import icosphere
 from anamorph.gpu import targets
 from anamorph.measure.errors import measure, silhouettes
 from anamorph.methods.environment import cube
-from anamorph.methods.environment.environment import FACES, cube_projections, faces_needed, reflectors
+from anamorph.methods.environment.environment import FACES, cube_projections, faces_needed
+from anamorph.optics.ray_meshes import bodies_of
 from anamorph.optics.reflection import reflected_rays, reflector
 from anamorph.rays.caster import Caster
 from anamorph.scene.camera import Camera
@@ -221,7 +222,7 @@ def test_meshes_of_one_reflector_share_a_map():
     upper, lower = (replace(spherical_mirror(), name=f"pot/{part}") for part in ("upper", "lower"))
     other = replace(flat_mirror(), name="pan")
     scene = Scene("parts", (upper, other, lower, replace(flat_mirror(), name="x", material=Diffuse())), CAMERA)
-    assert reflectors(scene) == [(0, 2), (1,)]
+    assert [body.meshes for body in bodies_of(scene, flatten(scene))] == [(0, 2), (1,)]
 
 
 def test_planar_is_exact_for_a_flat_mirror_and_refuses_a_curved_one():

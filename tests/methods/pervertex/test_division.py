@@ -111,7 +111,7 @@ def test_patches_show_the_same_at_the_vertices_that_they_share():
     hits, shared = {}, 0
     for plan in found.plans:
         for vertex, hit, valid in zip(plan.vertices, plan.hits, plan.lookups[0, :, 3], strict=True):
-            if not valid or found.sight.rays.status[vertex]:
+            if not valid or found.body_rays.rays.status[vertex]:
                 continue
             shared += vertex in hits
             assert hit == pytest.approx(hits.setdefault(vertex, hit), rel=1e-4, abs=1e-4)

@@ -29,8 +29,7 @@ from anamorph.gallery.flat_mirror import plane_mirror
 from anamorph.gallery.shapes import box, globe, join, lattice
 from anamorph.gpu.device import get_device
 from anamorph.measure.errors import measure, silhouettes
-from anamorph.methods.pervertex import pervertex
-from anamorph.methods.pervertex.pervertex import Options
+from anamorph.methods.pervertex import Options, pervertex
 from anamorph.methods.session import Stage
 from anamorph.projection import UNIFORM_BYTES
 from anamorph.scene.camera import Camera
@@ -58,15 +57,15 @@ def test_the_device_gets_the_plans_lookups_and_projection_in_single_precision(mo
     monkeypatch.setattr(queue, "write_buffer", lambda buffer, offset, data: written.update({buffer: data.copy()}))
     drawing.prepare(get_device().create_command_encoder(), CAMERA, (0.0, 0.0))
     level = drawing._levels[0]
-    sight, plan = plan_of(CURVED)
+    body_rays, plan = plan_of(CURVED)
     (draw,) = drawing._picture.draws
     triangles, data = (written[buffer] for buffer in level._buffers)
     triangles = triangles.reshape(-1, 4)[draw.first : draw.first + draw.count]
     # Mesh 0 has the scene's first triangles, so that the number in the scene is that in the mirror.
     corners = data.reshape(-1, 4)[triangles[:, 2:3] + np.arange(3)]
-    assert sorted(triangles[:, 0]) == list(range(len(sight.rays.faces)))
-    assert plan.vertices.tolist() == list(range(len(sight.rays.origins)))
-    assert corners.tolist() == plan.lookups[0, sight.rays.faces[triangles[:, 0]]].astype(np.float32).tolist()
+    assert sorted(triangles[:, 0]) == list(range(len(body_rays.rays.faces)))
+    assert plan.vertices.tolist() == list(range(len(body_rays.rays.origins)))
+    assert corners.tolist() == plan.lookups[0, body_rays.rays.faces[triangles[:, 0]]].astype(np.float32).tolist()
     (view,), (corner,) = level.views, level.atlas._corners
     (maps,) = written[level._maps]
     assert maps[: UNIFORM_BYTES // 4].tolist() == plan.projections[0].uniform(view.size, corner).tolist()

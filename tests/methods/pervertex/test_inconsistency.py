@@ -13,8 +13,9 @@ from anamorph.frame import View
 from anamorph.gallery.shapes import box, grid
 from anamorph.lenses.lens import Prescription, make_lens
 from anamorph.measure.errors import measure, silhouettes
+from anamorph.methods.pervertex import Options
 from anamorph.methods.pervertex.inconsistency import inconsistent_vertices
-from anamorph.methods.pervertex.pervertex import Options, PerVertexDrawing
+from anamorph.methods.pervertex.pervertex import PerVertexDrawing
 from anamorph.methods.session import Stage
 from anamorph.scene.camera import Camera
 from anamorph.scene.model import Diffuse, Scene
@@ -116,31 +117,31 @@ def test_a_vertex_is_inconsistent_where_something_stands_between_the_viewpoint_a
         (seen,) = drawing.plan(camera).seen
         (plan,) = seen.plans
         point = plan.viewpoint[:3] / plan.viewpoint[3]
-        known[plan.vertices[(plan.lookups[0, :, 3] > 0.0) & (seen.sight.rays.status[plan.vertices] == 0)]] = True
+        known[plan.vertices[(plan.lookups[0, :, 3] > 0.0) & (seen.body_rays.rays.status[plan.vertices] == 0)]] = True
         along = (point - seen.hits) / (point - seen.hits)[:, 2:]
         # Where the line through the viewpoint passes the mirror.
-        return seen, drawing.world, seen.hits + (0.02 - seen.hits[:, 2:]) * along
+        return seen, drawing.surroundings, seen.hits + (0.02 - seen.hits[:, 2:]) * along
 
     # A box around the line of that vertex whose ray passes farthest from it.
-    seen, world, starts = planned()
-    assert not inconsistent_vertices(seen, world).any()
+    seen, around, starts = planned()
+    assert not inconsistent_vertices(seen, around).any()
     ray, line = (first + (0.3 - first[:, 2:]) / (seen.hits - first)[:, 2:] * (seen.hits - first)
-                 for first in (seen.sight.rays.origins, starts))  # fmt: skip
+                 for first in (seen.body_rays.rays.origins, starts))  # fmt: skip
     ahead = (np.abs(ray) < 1.0).all(axis=1) & (np.abs(line) < 1.0).all(axis=1)
     apart = np.where(known & ahead, np.abs(ray - line)[:, :2].max(axis=1), 0.0)
     middle, half = line[apart.argmax()], 0.3 * apart.max()
     low, high = middle - half, middle + half
-    seen, world, starts = planned(box(tuple(low), tuple(high)).mesh("box", Diffuse()))
+    seen, around, starts = planned(box(tuple(low), tuple(high)).mesh("box", Diffuse()))
     expected = known & in_the_way(starts, seen.hits, low, high)
     assert expected.any()
-    assert inconsistent_vertices(seen, world).tolist() == expected.tolist()
+    assert inconsistent_vertices(seen, around).tolist() == expected.tolist()
 
 
 def test_balls_tell_which_vertices_are_consistent():
     scene = with_pole(spherical_mirror(-1.4))
     drawing = PerVertexDrawing(Stage(View(scene, CAMERA, SIZE)), Options())
     (seen,) = drawing.plan(CAMERA).seen
-    hidden = inconsistent_vertices(seen, drawing.world)
+    hidden = inconsistent_vertices(seen, drawing.surroundings)
     frame = drawn(scene, "pervertex:overlay=inconsistency", PICTURE)
     places = pixels_of(CAMERA, PICTURE, vertices_of(scene))
     visible = np.array([frame.specular[int(y), int(x)] > 0 for x, y in places])

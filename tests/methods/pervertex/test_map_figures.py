@@ -8,7 +8,8 @@ from scenes import CAMERA, SIZE, drawn, flat_mirror, scene_with, sky_scene, sphe
 
 from anamorph import gallery
 from anamorph.frame import View
-from anamorph.methods.pervertex.pervertex import Options, PerVertexDrawing
+from anamorph.methods.pervertex import Options
+from anamorph.methods.pervertex.pervertex import PerVertexDrawing
 from anamorph.methods.session import Stage
 from anamorph.scene.camera import Camera
 
@@ -18,7 +19,7 @@ def covered(seen):
     shares = []
     x, y = np.meshgrid(*2 * [(np.arange(200) + 0.5) / 200.0])
     for plan, faces in zip(seen.plans, seen.patches, strict=True):
-        corners = np.searchsorted(plan.vertices, seen.sight.rays.faces[faces])
+        corners = np.searchsorted(plan.vertices, seen.body_rays.rays.faces[faces])
         s, t = (plan.lookups[0, :, :2] / plan.lookups[0, :, 2:3]).T
         inside = np.zeros(x.shape, bool)
         for a, b, c in corners:

@@ -13,7 +13,8 @@ from scenes import CAMERA, CENTER, SIZE, flat_mirror, pixels_of, scene_with, sph
 
 from anamorph.gallery import make
 from anamorph.gallery.shapes import box
-from anamorph.methods.pervertex.warp import PlanOptions, _aligned, _near_normal, plan_map
+from anamorph.methods.pervertex import Options
+from anamorph.methods.pervertex.warp import _aligned, _near_normal, plan_map
 from anamorph.projection import map_frame
 from anamorph.raymesh import RayStatus
 from anamorph.scene.camera import Camera
@@ -57,8 +58,8 @@ def twin(scene, camera):
 
 
 def test_the_plan_is_the_papers_steps_in_double_precision():
-    sight, plan = plan_of(CURVED)
-    rays = sight.rays
+    body_rays, plan = plan_of(CURVED)
+    rays = body_rays.rays
     points, reflected, viewpoint, forward, hits = twin(CURVED, CAMERA)
     assert rays.origins == pytest.approx(points, abs=1e-12)
     assert rays.unit_directions() == pytest.approx(reflected, abs=1e-12)
@@ -235,7 +236,7 @@ def test_nothing_before_the_crossing_needs_no_second_map():
 @settings(max_examples=40)
 @given(st.sampled_from([-0.35, -0.5, -1.4, 0.5, 1.4, 1e3, -1e3]), st.floats(-0.6, 0.6), st.floats(0.5, 3.0))
 def test_a_maps_eye_looks_where_the_map_does(radius, aside, distance):
-    """The lines of sight of the eye that sees other mirrors in a map are those of the map's own pixels."""
+    """The lines of body_rays of the eye that sees other mirrors in a map are those of the map's own pixels."""
     camera = Camera((aside, 0.6, distance), tuple(CENTER.tolist()), field_of_view=32.0)
     plans = planned(scene_with(spherical_mirror(radius), camera=camera)).plans
     size = (300, 200)
@@ -306,11 +307,11 @@ def test_only_rays_that_count_turn_a_map():
 def test_a_map_is_turned_only_where_that_saves_room():
     """Two triangles' vertices do not weigh alike: their principal direction lies along the diagonal."""
     flat = scene_with(flat_mirror(), camera=Camera((0, 0.5, 0.9), (0, 0.5, 0), field_of_view=32.0))
-    texels = [np.prod(plan_of(flat, options=PlanOptions(align=align))[1].texels[0]) for align in (False, True)]
+    texels = [np.prod(plan_of(flat, options=Options(align=align))[1].texels[0]) for align in (False, True)]
     assert texels[1] == pytest.approx(texels[0])
     saddle = make("saddle")
     turned, straight = (
-        [plan.used for plan in planned(saddle, options=PlanOptions(align=align)).plans] for align in (True, False)
+        [plan.used for plan in planned(saddle, options=Options(align=align)).plans] for align in (True, False)
     )
     assert all(one >= other - 1e-9 for one, other in zip(turned, straight, strict=True))
     assert max(np.subtract(turned, straight)) > 0.1
@@ -333,7 +334,7 @@ def test_the_map_begins_before_what_frames_the_mirror():
     plain, framed = (plan_of(scene_with(spherical_mirror(), *extra))[1] for extra in ((), (rim(),)))
     assert near_plane_distance(plain) < 0.005
     assert 0.01 < near_plane_distance(framed) <= 0.06
-    _, strict = plan_of(scene_with(spherical_mirror(), rim()), options=PlanOptions(strict=True))
+    _, strict = plan_of(scene_with(spherical_mirror(), rim()), options=Options(tolerance=0.5))
     assert near_plane_distance(strict) < 0.005, "a tolerance wants to see the rim as well"
 
 
@@ -341,11 +342,13 @@ def test_rays_of_hidden_vertices_pass_what_frames_the_mirror():
     scene = scene_with(spherical_mirror(), rim())
     found = planned(scene)
     number = 2
-    hidden = found.hider == number
+    hidden = found.occluder == number
     assert hidden.sum() >= 5
     (plan,) = found.plans
-    met = found.world.caster.cast(found.sight.rays.origins, found.sight.rays.unit_directions(), found.world.caster.near)
-    ends_at_rim = hidden & (found.world.face_object[met.triangle] == number)
+    met = found.surroundings.caster.cast(
+        found.body_rays.rays.origins, found.body_rays.rays.unit_directions(), found.surroundings.caster.near
+    )
+    ends_at_rim = hidden & (found.surroundings.face_object[met.triangle] == number)
     assert ends_at_rim.any(), "else the rim would not be in their way"
     inside = (plan.hits > [-0.26, 0.29, -0.04]).all(axis=1) & (plan.hits < [-0.16, 0.71, 0.04]).all(axis=1)
     assert not inside[ends_at_rim].any()
@@ -357,13 +360,13 @@ def test_what_stands_free_before_a_mirror_is_seen_in_it():
     scene = scene_with(spherical_mirror(), bar)
     found = planned(scene)
     number = 2
-    assert (found.hider == number).any(), "it hides vertices"
+    assert (found.occluder == number).any(), "it hides vertices"
     (plan,) = found.plans
     assert near_plane_distance(plan) < 0.005, "and frames nothing"
-    cast = found.world.caster.cast(
-        found.sight.rays.origins, found.sight.rays.unit_directions(), found.world.caster.near
+    cast = found.surroundings.caster.cast(
+        found.body_rays.rays.origins, found.body_rays.rays.unit_directions(), found.surroundings.caster.near
     )
-    meets = found.world.face_object[cast.triangle] == number
+    meets = found.surroundings.face_object[cast.triangle] == number
     meets &= cast.triangle >= 0
     assert meets.any()
     assert plan.distances[meets] == pytest.approx(cast.distance[meets], abs=1e-5)
@@ -373,10 +376,12 @@ def too_near_for_its_map(found):
     """Of the vertices that have a place in some map, how many have rays that first meet what that map leaves out."""
     count = 0
     for plan in found.plans:
-        origins, ways = (each[plan.vertices] for each in (found.sight.rays.origins, found.sight.rays.unit_directions()))
-        cast = found.world.caster.cast(origins, ways, found.world.caster.near)
-        counted = (plan.lookups[0, :, 3] > 0.0) & (found.hider[plan.vertices] == 0) & (cast.triangle >= 0)
-        counted &= found.sight.rays.status[plan.vertices] == RayStatus.OK
+        origins, ways = (
+            each[plan.vertices] for each in (found.body_rays.rays.origins, found.body_rays.rays.unit_directions())
+        )
+        cast = found.surroundings.caster.cast(origins, ways, found.surroundings.caster.near)
+        counted = (plan.lookups[0, :, 3] > 0.0) & (found.occluder[plan.vertices] == 0) & (cast.triangle >= 0)
+        counted &= found.body_rays.rays.status[plan.vertices] == RayStatus.OK
         first = origins[counted] + cast.distance[counted, None] * ways[counted]
         count += int((in_map(plan.projections[0], first)[0] > 1.0 + 1e-6).sum())
     return count
@@ -387,7 +392,7 @@ def test_where_a_tolerance_is_set_maps_leave_out_nothing_that_vertices_see():
     mirror = spherical_mirror(0.3, 8, (0.2, 0.15))
     block = box((0.14, 0.3, -0.2), (0.19, 0.7, -0.06)).mesh("block", Diffuse())
     scene = scene_with(mirror, block, camera=Camera((-0.1, 0.55, 0.9), tuple(CENTER.tolist()), field_of_view=32.0))
-    loose, strict = (planned(scene, options=PlanOptions(strict=value), field=150.0) for value in (False, True))
+    loose, strict = (planned(scene, options=Options(tolerance=value), field=150.0) for value in (0.0, 0.5))
     assert too_near_for_its_map(loose) > 0
     assert too_near_for_its_map(strict) == 0
     valid = sum(int(plan.lookups[0, :, 3].sum()) for plan in strict.plans)
@@ -395,10 +400,10 @@ def test_where_a_tolerance_is_set_maps_leave_out_nothing_that_vertices_see():
 
 
 def test_far_points_stand_in_for_hits_that_are_not_cast():
-    _, plan = plan_of(CURVED, options=PlanOptions(cast=False))
-    sight, cast = plan_of(CURVED)
-    ways = sight.rays.unit_directions()[plan.vertices]
-    offset = plan.hits - sight.rays.origins[plan.vertices]
+    _, plan = plan_of(CURVED, options=Options(start="direction"))
+    body_rays, cast = plan_of(CURVED)
+    ways = body_rays.rays.unit_directions()[plan.vertices]
+    offset = plan.hits - body_rays.rays.origins[plan.vertices]
     assert np.cross(offset, ways) == pytest.approx(np.zeros_like(ways), abs=1e-9)
     assert np.linalg.norm(offset, axis=1).min() > 5.0
     assert plan.lookups[0, :, 3].all()
@@ -407,7 +412,7 @@ def test_far_points_stand_in_for_hits_that_are_not_cast():
 
 
 def test_plain_coordinates_have_no_depth():
-    _, plan = plan_of(CURVED, options=PlanOptions(projective=False))
+    _, plan = plan_of(CURVED, options=Options(projective=False))
     assert (plan.lookups[..., 2] == 1.0).all()
     _, projective = plan_of(CURVED)
     assert np.ptp(projective.lookups[..., 2]) > 0.1
@@ -418,8 +423,8 @@ def test_a_mirror_that_turns_its_back_has_no_plan():
     camera = Camera((0.25, 0.65, -0.9), (0.0, 0.5, 0.0), field_of_view=32.0)
     found = planned(scene_with(spherical_mirror()), camera)
     assert not len(found.patches)
-    every, hider = np.arange(len(found.sight.rays.faces)), np.zeros(len(found.sight.rays.origins), int)
-    assert plan_map(found.sight, every, hider, found.world, PlanOptions()) is None
+    every, occluder = np.arange(len(found.body_rays.rays.faces)), np.zeros(len(found.body_rays.rays.origins), int)
+    assert plan_map(found.body_rays, every, occluder, found.surroundings, Options()) is None
 
 
 def test_rays_to_all_sides_alike_have_no_plan():
@@ -427,6 +432,6 @@ def test_rays_to_all_sides_alike_have_no_plan():
     shape = box((-2.0, -2.0, -2.0), (2.0, 2.0, 2.0))
     room = replace(shape, normals=-shape.normals, faces=shape.faces[:, ::-1]).mesh("mirror", Mirror())
     found = planned(scene_with(room), Camera((0.0, 0.0, 0.0), (1.0, 1.0, 0.0), (0.0, 0.0, 1.0)))
-    every, hider = np.arange(len(room.faces)), np.zeros(len(room.positions), int)
-    assert plan_map(found.sight, every, hider, found.world, PlanOptions()) is None
+    every, occluder = np.arange(len(room.faces)), np.zeros(len(room.positions), int)
+    assert plan_map(found.body_rays, every, occluder, found.surroundings, Options()) is None
     assert len(found.plans) >= 2 and all(plan is not None for plan in found.plans)

@@ -11,8 +11,10 @@ import anamorph as an
 from anamorph import gallery
 from anamorph.frame import Status
 from anamorph.measure.errors import measure
+from anamorph.methods.tracing import paths
 from anamorph.methods.tracing.paths import PathTracer
-from anamorph.methods.tracing.vertex_rays import SceneRays
+from anamorph.methods.tracing.vertex_rays import vertex_rays
+from anamorph.optics.ray_meshes import bodies_of
 from anamorph.optics.refraction import refracted_rays, refractor
 from anamorph.raymesh import RayStatus
 from anamorph.rays.caster import Caster
@@ -77,7 +79,8 @@ def _eye_rays(camera):
 def test_only_rays_that_leave_by_the_far_face_are_interpolated():
     scene = gallery.make("spectacles-minus")
     geometry, eye = flatten(scene), scene.camera.eye(SIZE)
-    rays = SceneRays(scene, geometry).seen_by(eye, 1)
+    bodies = bodies_of(scene, geometry)
+    rays = vertex_rays(bodies, geometry, eye, 1)
     for lens in scene_glass(scene).lenses:
         for near, far in ((lens.front, lens.back), (lens.back, lens.front)):
             mesh = refracted_rays(refractor(scene.meshes[near], scene.meshes[far]), eye)
@@ -85,7 +88,7 @@ def test_only_rays_that_leave_by_the_far_face_are_interpolated():
             lost = np.isin(mesh.status, (RayStatus.TOTAL_REFLECTION, RayStatus.LEFT_BY_EDGE))
             assert (rays.leaves[own] == ~lost).all()
             assert rays.far[near + 1] == far + 1
-    red, blue = (SceneRays(scene, geometry).seen_by(eye, line).directions for line in (0, 2))
+    red, blue = (vertex_rays(bodies, geometry, eye, line).directions for line in (0, 2))
     assert not np.array_equal(red, blue)
 
 
@@ -93,12 +96,11 @@ def test_light_that_cannot_leave_by_the_far_face_goes_on_as_at_the_surfaces(monk
     scene = gallery.make("magnifier")
     geometry = flatten(scene)
     truth, mesh = (PathTracer(scene, geometry, Caster(geometry), truth=each) for each in ("surface", "raymesh"))
-    seen_by = SceneRays.seen_by
 
     def no_ray_leaves(*arguments):
-        rays = seen_by(*arguments)
+        rays = vertex_rays(*arguments)
         return rays._replace(leaves=np.zeros_like(rays.leaves))
 
-    monkeypatch.setattr(SceneRays, "seen_by", no_ray_leaves)
+    monkeypatch.setattr(paths, "vertex_rays", no_ray_leaves)
     expected, found = (tracer.trace(scene.camera, SIZE).view(np.uint32) for tracer in (truth, mesh))
     assert (found == expected).all()

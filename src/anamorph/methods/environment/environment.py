@@ -7,7 +7,7 @@ alone: the scene drawn once more from the mirrored eye.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -22,16 +22,16 @@ from anamorph.gpu.drawing import draw_mesh, make_pipeline, shader_module
 from anamorph.gpu.targets import COLOR_FORMAT, MAP_FORMATS, SEEN_FORMATS, Target, make_texture, map_sampler
 from anamorph.methods.environment.cube import make_cube
 from anamorph.methods.options import check_options, option
-from anamorph.methods.pervertex.pervertex import Options as PerVertexOptions
+from anamorph.methods.pervertex.options import Options as PerVertexOptions
 from anamorph.methods.pervertex.pervertex import PerVertexDrawing
 from anamorph.methods.protocol import Method, Session
 from anamorph.methods.session import DrawingSession, Stage
-from anamorph.optics.reflection import reflected_rays, reflector
+from anamorph.optics.ray_meshes import Body, bodies_of, rays_of
 from anamorph.projection import UNIFORM_BYTES, Projection, pinhole_projection
 from anamorph.raymesh import RayMesh, RayStatus
 from anamorph.scene.camera import Camera
 from anamorph.scene.geometry import Geometry
-from anamorph.scene.model import Glass, Scene
+from anamorph.scene.model import Glass
 
 DEFAULT_FACE = 1024
 """Texels along an edge that a cube map takes at most by itself."""
@@ -107,31 +107,21 @@ def faces_needed(rays: RayMesh) -> list[int]:
     return needed
 
 
-def reflectors(scene: Scene) -> list[tuple[int, ...]]:
-    """Indices of the specular meshes, those of one reflector together: names that agree before the first "/"."""
-    groups: dict[str, list[int]] = {}
-    for index, mesh in enumerate(scene.meshes):
-        if mesh.specular:
-            groups.setdefault(mesh.name.split("/")[0], []).append(index)
-    return [tuple(group) for group in groups.values()]
-
-
 @of_device
 def _stand_in() -> wgpu.GPUTexture:
     return make_texture((1, 1), MAP_FORMATS[0])
 
 
 class _CubeReflector:
-    """One reflector, of one or more meshes, and the cube map around it."""
+    """One mirror, of one or more meshes, and the cube map around it."""
 
-    def __init__(
-        self, stage: Stage, indices: tuple[int, ...], options: Options, layout: wgpu.GPUBindGroupLayout
-    ) -> None:
-        self.indices = indices
-        self._mirrors = [reflector(stage.view.scene.meshes[index]) for index in indices]
-        positions = np.concatenate([mirror.positions for mirror in self._mirrors])
-        low, high = positions.min(axis=0), positions.max(axis=0)
-        size = options.face or max(face_size(rays) for rays in self.rays(stage.view.pinhole, stage.view.size))
+    def __init__(self, stage: Stage, body: Body, options: Options, layout: wgpu.GPUBindGroupLayout) -> None:
+        self.indices, self._body = body.meshes, body
+        (side,) = body.sides
+        low, high = side.optics.positions.min(axis=0), side.optics.positions.max(axis=0)
+        rays, owner = self.rays(stage.view.pinhole, stage.view.size), stage.geometry.face_object[side.triangles]
+        parts = (replace(rays, faces=rays.faces[owner == each]) for each in side.objects)
+        size = options.face or max(face_size(part) for part in parts)
         self.maps = make_cube(size)
         projections = cube_projections((low + high) / 2.0, near=1e-3 * float(np.linalg.norm(high - low)))
         for face, projection in zip(self.maps, projections, strict=True):
@@ -153,9 +143,9 @@ class _CubeReflector:
         depth = self.maps[0].depth().textures[0].create_view(dimension="2d-array")
         return bind(self._layout, [*self._resources, depth])
 
-    def rays(self, camera: Camera, size: tuple[int, int]) -> list[RayMesh]:
-        """The ray mesh of each of its meshes."""
-        return [reflected_rays(mirror, camera.eye(size)) for mirror in self._mirrors]
+    def rays(self, camera: Camera, size: tuple[int, int]) -> RayMesh:
+        """Its ray mesh."""
+        return rays_of(self._body, camera.eye(size)).rays
 
 
 class CubeDrawing:
@@ -164,7 +154,8 @@ class CubeDrawing:
     def __init__(self, stage: Stage, options: Options) -> None:
         self._stage, self._options = stage, options
         layout = layout_of(STORAGE, texture("cube"), SAMPLER, texture("2d-array", filterable=False))
-        self._reflectors = [_CubeReflector(stage, group, options, layout) for group in reflectors(stage.view.scene)]
+        bodies = bodies_of(stage.view.scene, stage.geometry)
+        self._reflectors = [_CubeReflector(stage, body, options, layout) for body in bodies]
         self.replaced = stage.buffers.specular
         self._drawn = False
         module = shader_module("gpu/map.wgsl", "methods/environment/environment.wgsl")
@@ -191,7 +182,7 @@ class CubeDrawing:
         for item in self._reflectors:
             faces = set(range(6))
             if self._options.update == "always":
-                faces = {face for rays in item.rays(camera, self._stage.view.size) for face in faces_needed(rays)}
+                faces = set(faces_needed(item.rays(camera, self._stage.view.size)))
             for face in sorted(faces):
                 item.maps[face].draw_color(encoder, self._stage.buffers, item.indices)
         self._drawn = True

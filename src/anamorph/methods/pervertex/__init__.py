@@ -1,1 +1,33 @@
+"""Per-vertex reflection and refraction: images from the best virtual viewpoints, warped so that every vertex is exact.
+
+Source: Kakimoto, Tatsukawa, Chun, Nishita, "Real-time reflection and refraction on a per-vertex basis" (2007). The
+numbers in brackets are its steps. A shader that is not listed has the name of its module.
+
+| section of the paper | what | module |
+| --- | --- | --- |
+| 3.1 (1), 4.5 | reflect or refract the eye's ray at every vertex | `optics.ray_meshes` |
+| 3, 4.1 | all steps up to the texture coordinates, for what an eye sees of each body | `seen` |
+| 4.1 | divide what spreads its rays too wide | `division`; as one cube map instead: `cube_plan` |
+| 3.2 (2) | the virtual viewpoint, with each ray counted by its pixels | `optics.viewpoint`, `bundle` |
+| 3.3 (2), 4.2, 4.3 | the view volume, also of converging rays and turned to the principal directions | `warp` |
+| 3.1 (3.1) | what each vertex ray hits | `bundle`, `surroundings`; what stands close to the body: `mounting` |
+| 3.4 (3.2 to 3.4) | where the map shows that hit: the vertex's texture coordinates | `warp` |
+| 4.4 | bodies in the maps of other bodies, and so on, level by level | `pictures`, `level` |
+| (2) | draw the maps, of which only what is looked up | `atlas`, `looked_up.wgsl`; mipmaps: `halving`, `halve.wgsl` |
+| (4) | draw the scene, and the bodies with their maps | `pervertex`; a lens (4.5): `lens.wgsl` |
+| 6, Figure 16 | where a map does not show what a ray meets | `inconsistency`; known to a pixel: `doubt.wgsl` |
+| Figures 1, 16 | balls at the hits, and wires | `marks`, `overlay` |
+| not in it | trace the pixels that may be wrong by more than a tolerance | `mend` |
+| | what may be chosen | `options` |
+"""
+
+from anamorph.methods.pervertex.inconsistency import map_lines as map_lines
+from anamorph.methods.pervertex.inconsistency import shown_distances as shown_distances
+from anamorph.methods.pervertex.options import MAXIMUM_BOUNCES as MAXIMUM_BOUNCES
+from anamorph.methods.pervertex.options import Options as Options
 from anamorph.methods.pervertex.pervertex import METHOD as METHOD
+from anamorph.methods.pervertex.seen import Seen as Seen
+from anamorph.methods.pervertex.seen import seen_bodies as seen_bodies
+from anamorph.methods.pervertex.surroundings import Surroundings as Surroundings
+from anamorph.methods.pervertex.surroundings import surroundings_of as surroundings_of
+from anamorph.methods.pervertex.warp import MapPlan as MapPlan

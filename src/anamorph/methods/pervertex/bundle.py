@@ -7,7 +7,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from anamorph.methods.pervertex.world import World
+from anamorph.methods.pervertex.mounting import size_of
+from anamorph.methods.pervertex.surroundings import Surroundings
 from anamorph.raymesh import RayMesh, RayStatus
 
 FARTHEST = 1e4
@@ -34,21 +35,26 @@ def pixel_weights(rays: RayMesh, facing: np.ndarray) -> np.ndarray:
 
 
 def find_hits(
-    rays: RayMesh, nearest: np.ndarray, own: tuple[int, ...], world: World, cast: bool
+    rays: RayMesh, nearest: np.ndarray, own: tuple[int, ...], surroundings: Surroundings, cast: bool
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Step 3.1: what rays hit beyond `nearest` (V,), (V, 3); how far that is (V,); whether they met a body of `own`."""
     directions = rays.unit_directions()
-    distances, met = np.full(len(directions), world.diagonal), np.zeros(len(directions), bool)
+    distances, met = np.full(len(directions), surroundings.diagonal), np.zeros(len(directions), bool)
     if cast:
         # No one sees what catches the rays that miss the far face of a lens: it must not be what frames the lens.
         lost = np.isin(rays.status, (RayStatus.LEFT_BY_EDGE, RayStatus.TOTAL_REFLECTION))
         start = nearest + np.where(lost, size_of(rays.origins), 0.0)
-        distances, met = world.cast_past(rays.origins, directions, start, own)
-    return rays.origins + np.minimum(distances, FARTHEST * world.diagonal)[:, None] * directions, distances, met
+        distances, met = surroundings.cast_past(rays.origins, directions, start, own)
+    return rays.origins + np.minimum(distances, FARTHEST * surroundings.diagonal)[:, None] * directions, distances, met
 
 
 def past_frame(
-    rays: RayMesh, directions: np.ndarray, hider: np.ndarray, facing: np.ndarray, normal: np.ndarray, world: World
+    rays: RayMesh,
+    directions: np.ndarray,
+    occluder: np.ndarray,
+    facing: np.ndarray,
+    normal: np.ndarray,
+    surroundings: Surroundings,
 ) -> tuple[np.ndarray, float]:
     """How far along each ray what frames the mirror is passed, (V,), and how high along `normal` that reaches.
 
@@ -56,18 +62,18 @@ def past_frame(
     sees where their rays meet the rim, but all that is interpolated towards it would be wrong. A frame reaches back to
     the mirror; what stands free before it is seen in it.
     """
-    start, top = np.full(len(hider), world.caster.near), -np.inf
-    if not hider.any():
+    start, top = np.full(len(occluder), surroundings.caster.near), -np.inf
+    if not occluder.any():
         return start, top
     size = size_of(rays.origins)
-    reaches = (world.mesh_corners @ normal).min(axis=1) < float((rays.origins @ normal).max())
-    hidden = (hider > 0) & reaches[np.maximum(hider, 1) - 1] & facing
+    reaches = (surroundings.mesh_corners @ normal).min(axis=1) < float((rays.origins @ normal).max())
+    hidden = (occluder > 0) & reaches[np.maximum(occluder, 1) - 1] & facing
     for _ in range(MAXIMUM_LAYERS if hidden.any() else 0):
-        hits = world.caster.cast(rays.origins, directions, start)
-        framed = hidden & (hits.distance < size) & (world.face_object[hits.triangle] == hider)
+        hits = surroundings.caster.cast(rays.origins, directions, start)
+        framed = hidden & (hits.distance < size) & (surroundings.face_object[hits.triangle] == occluder)
         if not framed.any():
             break
-        start = np.where(framed, hits.distance + world.caster.near, start)
+        start = np.where(framed, hits.distance + surroundings.caster.near, start)
         top = max(top, float(((rays.origins + start[:, None] * directions) @ normal)[framed].max()))
     return start, top
 
@@ -77,11 +83,6 @@ def crossings(origins: np.ndarray, directions: np.ndarray, plane: np.ndarray) ->
     rise = directions @ plane[:3]
     behind = -(origins @ plane[:3] + plane[3])
     return np.where(rise > 1e-3, behind / np.maximum(rise, 1e-3), 0.0)
-
-
-def size_of(points: np.ndarray) -> float:
-    """The diagonal of the box around points."""
-    return float(np.linalg.norm(np.ptp(points, axis=0)))
 
 
 def areas_of(corners: np.ndarray) -> np.ndarray:

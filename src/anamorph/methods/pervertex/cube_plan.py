@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import numpy as np
 
-from anamorph.methods.pervertex.bodies import Sight
 from anamorph.methods.pervertex.bundle import (
     areas_of,
     crossings,
@@ -17,10 +16,12 @@ from anamorph.methods.pervertex.bundle import (
     part_of,
     past_frame,
     pixel_weights,
-    size_of,
 )
-from anamorph.methods.pervertex.warp import CLEARANCE, TEXELS_A_PIXEL, MapPlan, PlanOptions
-from anamorph.methods.pervertex.world import World
+from anamorph.methods.pervertex.mounting import size_of
+from anamorph.methods.pervertex.options import Options
+from anamorph.methods.pervertex.surroundings import Surroundings
+from anamorph.methods.pervertex.warp import CLEARANCE, TEXELS_A_PIXEL, MapPlan
+from anamorph.optics.ray_meshes import BodyRays
 from anamorph.optics.viewpoint import virtual_viewpoint
 from anamorph.projection import Projection, pinhole_projection
 from anamorph.raymesh import RayMesh, RayStatus
@@ -44,7 +45,9 @@ NEAREST = 1e-3
 """Of the near planes, in sizes of the body."""
 
 
-def plan_cube(sight: Sight, faces: np.ndarray, hider: np.ndarray, world: World, options: PlanOptions) -> MapPlan | None:
+def plan_cube(
+    body_rays: BodyRays, faces: np.ndarray, occluder: np.ndarray, surroundings: Surroundings, options: Options
+) -> MapPlan | None:
     """Find a body's virtual viewpoint, the parts of a cube map around it that are looked up, and the lookups.
 
     Parameters are those of `plan_map`.
@@ -54,28 +57,31 @@ def plan_cube(sight: Sight, faces: np.ndarray, hider: np.ndarray, world: World, 
     MapPlan or None
         None where only the body's back is seen, and where its rays do not spread from a point behind it.
     """
-    vertices, corners = np.unique(sight.rays.faces[faces], return_inverse=True)
+    vertices, corners = np.unique(body_rays.rays.faces[faces], return_inverse=True)
     corners = corners.reshape(-1, 3)
-    bundles = [part_of(rays, vertices, corners) for rays in (sight.rays, *sight.others)]
-    rays, hider, outward = bundles[0], hider[vertices], sight.outward[vertices]
+    bundles = [part_of(rays, vertices, corners) for rays in (body_rays.rays, *body_rays.others)]
+    rays, occluder, outward = bundles[0], occluder[vertices], body_rays.side.outward[vertices]
     facing = rays.status == RayStatus.OK
     viewpoint = cube_viewpoint(rays, facing) if facing.any() else None
     if viewpoint is None:
         return None
     directions = rays.unit_directions()
-    near = _near(rays, outward, sight.side.behind[vertices], facing, viewpoint, corners)
-    past, _ = past_frame(rays, directions, hider, facing, pixel_weights(rays, facing) @ outward[facing], world)
+    behind = surroundings.mountings[body_rays.side].behind[vertices]
+    near = _near(rays, outward, behind, facing, viewpoint, corners)
+    past, _ = past_frame(
+        rays, directions, occluder, facing, pixel_weights(rays, facing) @ outward[facing], surroundings
+    )
 
-    own = tuple(mesh + 1 for mesh in sight.side.meshes)
+    own = body_rays.side.objects
     lookups, found = [], []
     for each in bundles:
         ways = each.unit_directions()
         crossing = _near_crossings(each.origins, ways, viewpoint, near)
-        hits, distances, met = find_hits(each, np.maximum(crossing, past), own, world, options.cast)
+        hits, distances, met = find_hits(each, np.maximum(crossing, past), own, surroundings, options.casts)
         valid = each.status != RayStatus.TOTAL_REFLECTION
         if options.strict:
-            first = world.caster.cast(each.origins, ways, world.caster.near).distance
-            valid &= ~facing | (~met & ((hider > 0) | (first >= crossing)))
+            first = surroundings.caster.cast(each.origins, ways, surroundings.caster.near).distance
+            valid &= ~facing | (~met & ((occluder > 0) | (first >= crossing)))
         # As long as the ray to the eye: on a flat mirror that is the vertex's own offset from the viewpoint.
         towards = hits - viewpoint
         towards /= np.maximum(np.linalg.norm(towards, axis=1, keepdims=True), 1e-12)

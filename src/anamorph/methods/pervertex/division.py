@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from anamorph.methods.pervertex.world import World
+from anamorph.methods.pervertex.surroundings import Surroundings
 from anamorph.optics.viewpoint import virtual_viewpoint
 from anamorph.raymesh import RayMesh, RayStatus
 
@@ -70,7 +70,9 @@ def divide(rays: RayMesh, faces: np.ndarray, widest: float) -> list[np.ndarray]:
     return [faces[patch == number] for number in range(patch.max() + 1)]
 
 
-def part_where_hidden(rays: RayMesh, faces: np.ndarray, world: World, own: tuple[int, ...]) -> list[np.ndarray]:
+def part_where_hidden(
+    rays: RayMesh, faces: np.ndarray, surroundings: Surroundings, own: tuple[int, ...]
+) -> list[np.ndarray]:
     """Halve a patch across its longest extent, until each part lies on one side of its viewpoint, with nothing between.
 
     For closed bodies, whose parts may look one way from far apart, with something between them.
@@ -80,7 +82,7 @@ def part_where_hidden(rays: RayMesh, faces: np.ndarray, world: World, own: tuple
     rays : RayMesh
     faces : (N,) int
         Of the patch.
-    world : World
+    surroundings : Surroundings
     own : tuple of int
         The object numbers of the body, which hide nothing.
 
@@ -100,19 +102,19 @@ def part_where_hidden(rays: RayMesh, faces: np.ndarray, world: World, own: tuple
         along = middles @ np.linalg.eigh(middles.T @ middles)[1][:, -1]
         upper = along > 0.5 * (along.min() + along.max())
         whole = upper.all() or not upper.any() or len(waiting) + len(done) + 2 > MOST_PARTS
-        if whole or not len(vertices) or not _hidden(rays, vertices, world, own):
+        if whole or not len(vertices) or not _hidden(rays, vertices, surroundings, own):
             done.append(part)
         else:
             waiting += [part[upper], part[~upper]]
     return done
 
 
-def _hidden(rays: RayMesh, vertices: np.ndarray, world: World, own: tuple[int, ...]) -> bool:
+def _hidden(rays: RayMesh, vertices: np.ndarray, surroundings: Surroundings, own: tuple[int, ...]) -> bool:
     origins, directions = rays.origins[vertices], rays.unit_directions()[vertices]
     viewpoint = virtual_viewpoint(origins, directions)
     ahead = np.einsum("ni,ni->n", viewpoint[3] * origins - viewpoint[:3], directions) > 0.0
     if ahead.all():
-        return viewpoint[3] > 0.0 and not world.sees(viewpoint[:3] / viewpoint[3], origins, own)
+        return viewpoint[3] > 0.0 and not surroundings.sees(viewpoint[:3] / viewpoint[3], origins, own)
     return bool(ahead.any())
 
 

@@ -9,9 +9,9 @@ from __future__ import annotations
 import numpy as np
 
 from anamorph.methods.pervertex.cube_plan import FORWARD
-from anamorph.methods.pervertex.pictures import Seen
+from anamorph.methods.pervertex.seen import Seen
+from anamorph.methods.pervertex.surroundings import Surroundings
 from anamorph.methods.pervertex.warp import MapPlan
-from anamorph.methods.pervertex.world import World
 from anamorph.projection import Projection
 from anamorph.raymesh import RayStatus
 
@@ -56,20 +56,22 @@ def _lines(projection: Projection, places: np.ndarray) -> tuple[np.ndarray, np.n
     return near[:, :3] / near[:, 3:], lines / np.linalg.norm(lines, axis=1, keepdims=True)
 
 
-def shown_distances(starts: np.ndarray, lines: np.ndarray, meshes: tuple[int, ...], world: World) -> np.ndarray:
+def shown_distances(
+    starts: np.ndarray, lines: np.ndarray, meshes: tuple[int, ...], surroundings: Surroundings
+) -> np.ndarray:
     """How far along its lines a map sees, (N,), infinite for the sky; it does not see the `meshes` of its own body."""
-    distances, _ = world.cast_past(starts, lines, np.zeros(len(starts)), tuple(mesh + 1 for mesh in meshes))
+    distances, _ = surroundings.cast_past(starts, lines, np.zeros(len(starts)), tuple(mesh + 1 for mesh in meshes))
     return distances
 
 
-def inconsistent_vertices(seen: Seen, world: World) -> np.ndarray:
+def inconsistent_vertices(seen: Seen, surroundings: Surroundings) -> np.ndarray:
     """Which vertices of a body do not show what their rays meet, (V,) bool: a map sees something nearer there."""
-    rays = seen.sight.rays
+    rays = seen.body_rays.rays
     inconsistent = np.zeros(len(rays.origins), bool)
     for plan in seen.plans:
         known = (plan.lookups[0, :, 3] > 0.0) & (rays.status[plan.vertices] == RayStatus.OK)
         starts, lines = map_lines(plan, plan.lookups[0, known])
-        shown = shown_distances(starts, lines, seen.body.meshes, world)
+        shown = shown_distances(starts, lines, seen.body_rays.body.meshes, surroundings)
         met = np.einsum("ij,ij->i", plan.hits[known] - starts, lines)
         sky = ~np.isfinite(plan.distances[known])
         inconsistent[plan.vertices[known]] |= np.where(sky, np.isfinite(shown), shown < (1.0 - NEARER) * met)

@@ -1,7 +1,7 @@
-"""One depth of the recursion on the device: its maps, and the triangles that show them.
+"""One level of the recursion on the device: its maps, and the triangles that show them.
 
-Source: Kakimoto et al. 2007, section 4.4, which keeps surfaces and maps in a stack. Here each depth has one atlas of
-maps, in which the mirrors of the next depth are drawn with that depth's maps.
+Source: Kakimoto et al. 2007, section 4.4, which keeps surfaces and maps in a stack. Here each level has one atlas of
+maps, in which the mirrors of the next level are drawn with that level's maps.
 """
 
 from __future__ import annotations
@@ -16,9 +16,10 @@ from anamorph.gpu.buffers import SceneBuffers, roomy_buffer
 from anamorph.gpu.device import get_device
 from anamorph.gpu.targets import map_sampler
 from anamorph.methods.pervertex.atlas import Atlas, MapView
-from anamorph.methods.pervertex.bodies import Sight
 from anamorph.methods.pervertex.warp import MapPlan
+from anamorph.optics.ray_meshes import BodyRays
 from anamorph.projection import UNIFORM_BYTES
+from anamorph.raymesh import RayStatus
 
 SMOOTH, THREE_COLORS = 1, 4
 """Flags of a triangle, as the shaders read them."""
@@ -43,7 +44,7 @@ class PatchDraw:
     Parameters
     ----------
     number, first, count : int
-    bends : bool
+    refracts : bool
         Whether it is a lens.
     sides : int
         How many maps show it: two where its rays converge.
@@ -54,7 +55,7 @@ class PatchDraw:
     number: int
     first: int
     count: int
-    bends: bool
+    refracts: bool
     sides: int
     cube: bool
 
@@ -70,7 +71,7 @@ def level_layout() -> wgpu.GPUBindGroupLayout:
 
 
 class Level:
-    """The maps of one depth, and the triangles that show them.
+    """The maps of one level, and the triangles that show them.
 
     Attributes
     ----------
@@ -100,24 +101,26 @@ class Level:
             contents.clear()
         self._triangle_count = self._data_count = 0
 
-    def add(self, sight: Sight, faces: np.ndarray, plan: MapPlan | None, views: range) -> PatchDraw:
+    def add(self, body_rays: BodyRays, faces: np.ndarray, plan: MapPlan | None, views: range) -> PatchDraw:
         """Add a patch: the `faces` of a body, which show the maps of the numbers `views`; or, without a plan, none."""
         if plan is None:
-            lookups = np.broadcast_to(NOWHERE, (1 + len(sight.others), len(faces), 3, 4))
+            lookups = np.broadcast_to(NOWHERE, (1 + len(body_rays.others), len(faces), 3, 4))
         else:
-            lookups = plan.lookups[:, np.searchsorted(plan.vertices, sight.rays.faces[faces])]
+            lookups = plan.lookups[:, np.searchsorted(plan.vertices, body_rays.rays.faces[faces])]
         data = np.moveaxis(lookups, 0, 2)
-        if sight.bends:
-            data = np.concatenate([data[:, :, :, None], sight.corner_rays(faces)], axis=3)
+        if body_rays.side.refracts:
+            data = np.concatenate([data[:, :, :, None], corner_rays(body_rays, faces)], axis=3)
         data = data.reshape(len(faces), -1, 4)
-        if sight.bends:
-            data = np.concatenate([np.broadcast_to(sight.edge(), (len(faces), 2, 4)), data], axis=1)
-        flags = np.where(sight.side.smooth[faces], SMOOTH, 0) | (THREE_COLORS if len(lookups) > 1 else 0)
+        if body_rays.side.refracts:
+            data = np.concatenate([np.broadcast_to(body_rays.side.lens_edge(), (len(faces), 2, 4)), data], axis=1)
+        flags = np.where(body_rays.side.smooth[faces], SMOOTH, 0) | (THREE_COLORS if len(lookups) > 1 else 0)
         first = self._data_count + data.shape[1] * np.arange(len(faces))
-        triangles = np.stack([sight.side.triangles[faces], flags, first, np.zeros_like(first)], axis=1)
+        triangles = np.stack([body_rays.side.triangles[faces], flags, first, np.zeros_like(first)], axis=1)
         cube = () if plan is None else plan.cube
         sides = 1 if cube else len(views)
-        draw = PatchDraw(len(self._patches), self._triangle_count, len(faces), sight.bends, sides, bool(cube))
+        draw = PatchDraw(
+            len(self._patches), self._triangle_count, len(faces), body_rays.side.refracts, sides, bool(cube)
+        )
         if plan is not None and not cube:
             self.lookers |= dict.fromkeys(views, draw)
         self._patches.append((views, cube))
@@ -173,3 +176,18 @@ class Level:
             self._scene.indices,
         ]
         self._group = bind(self._layout, resources)
+
+
+def corner_rays(body_rays: BodyRays, faces: np.ndarray) -> np.ndarray:
+    """A lens's rays at the corners of `faces`, (F, 3, C, 2, 4), for one colour or for green, red and blue.
+
+    First the origin and the share of the light that goes this way, then the direction and 1 where reflection in the
+    glass is total.
+    """
+    records = []
+    for rays in (body_rays.rays, *body_rays.others):
+        assert rays.share is not None
+        total = rays.status == RayStatus.TOTAL_REFLECTION
+        rows = np.stack([np.column_stack([rays.origins, rays.share]), np.column_stack([rays.directions, total])], 1)
+        records.append(rows[rays.faces[faces]])
+    return np.stack(records, axis=2)

@@ -8,14 +8,12 @@ from __future__ import annotations
 import numpy as np
 import wgpu
 
-from anamorph.methods.pervertex.bodies import Body, Side
 from anamorph.methods.pervertex.inconsistency import inconsistent_vertices
 from anamorph.methods.pervertex.overlay import Overlay
 from anamorph.methods.pervertex.pictures import Picture
-from anamorph.methods.pervertex.world import World
+from anamorph.methods.pervertex.surroundings import Surroundings
+from anamorph.optics.ray_meshes import Body, Side
 from anamorph.scene.camera import Camera
-
-OVERLAYS = ("none", "mesh", "inconsistency")
 
 BALL_PIXELS = 18.0
 """Radius of the balls at hits, where nothing magnifies or reduces them."""
@@ -40,30 +38,30 @@ class Marks:
             side: Overlay(side.optics.positions, side.optics.faces, samples) for body in bodies for side in body.sides
         }
 
-    def place(self, picture: Picture | None, camera: Camera, size: tuple[int, int], world: World) -> None:
+    def place(self, picture: Picture | None, camera: Camera, size: tuple[int, int], surroundings: Surroundings) -> None:
         """Put all where a frame from `camera` has it."""
         pixel = 2.0 * np.tan(np.radians(camera.field_of_view) / 2.0) / size[1]
         for seen in () if picture is None else picture.seen:
-            vertices = seen.sight.side.optics.positions
+            vertices = seen.body_rays.side.optics.positions
             distances = np.linalg.norm(vertices - camera.position, axis=1)
             if self._at_hits:
                 way = distances + seen.distances
                 radii = np.where(np.isfinite(way), BALL_PIXELS * pixel * way, 0.0)
                 centers, colors = seen.hits, np.broadcast_to(HIT_COLOR, vertices.shape)
             else:
-                hidden = inconsistent_vertices(seen, world)
+                hidden = inconsistent_vertices(seen, surroundings)
                 radii = np.where(hidden, INCONSISTENT_PIXELS, CONSISTENT_PIXELS) * pixel * distances
                 centers, colors = vertices, np.where(hidden[:, None], INCONSISTENT_COLOR, CONSISTENT_COLOR)
-            self._overlays[seen.sight.side].place(centers, radii, colors)
+            self._overlays[seen.body_rays.side].place(centers, radii, colors)
 
     def draw_in_map(self, picture: Picture | None, render_pass: wgpu.GPURenderPassEncoder) -> None:
         """Draw what shows in a mirror, into its map."""
         for seen in () if picture is None or not self._at_hits else picture.seen:
-            self._overlays[seen.sight.side].draw_balls(render_pass)
+            self._overlays[seen.body_rays.side].draw_balls(render_pass)
 
     def draw(self, picture: Picture | None, render_pass: wgpu.GPURenderPassEncoder) -> None:
         """Draw all, into the picture."""
         for seen in () if picture is None else picture.seen:
-            self._overlays[seen.sight.side].draw_balls(render_pass)
+            self._overlays[seen.body_rays.side].draw_balls(render_pass)
             if self._at_hits:
-                self._overlays[seen.sight.side].draw_wires(render_pass)
+                self._overlays[seen.body_rays.side].draw_wires(render_pass)

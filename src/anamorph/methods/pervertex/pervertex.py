@@ -9,7 +9,7 @@ here. Deviation: maps are as fine as the picture that they fill.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cache, partial
 from typing import Any
 
@@ -21,79 +21,27 @@ from anamorph.frame import View
 from anamorph.gpu.device import get_device
 from anamorph.gpu.drawing import bind_scene, make_pipeline, shader_module, submit
 from anamorph.gpu.targets import COLOR_FORMAT, MAP_FORMATS, SEEN_FORMATS, Target, begin_pass, make_texture, read_texture
-from anamorph.methods.options import check_options, option
+from anamorph.methods.options import check_options
 from anamorph.methods.pervertex.atlas import MapKind
-from anamorph.methods.pervertex.bodies import bodies_of
 from anamorph.methods.pervertex.level import Level, level_layout
-from anamorph.methods.pervertex.marks import OVERLAYS, Marks
+from anamorph.methods.pervertex.marks import Marks
 from anamorph.methods.pervertex.mend import Mender, doubtful_tiles
-from anamorph.methods.pervertex.pictures import Picture, PictureOptions, Pictures
-from anamorph.methods.pervertex.warp import PlanOptions
-from anamorph.methods.pervertex.world import World, world_of
+from anamorph.methods.pervertex.options import Options
+from anamorph.methods.pervertex.pictures import Picture, Pictures
+from anamorph.methods.pervertex.surroundings import Surroundings, surroundings_of
 from anamorph.methods.protocol import Method, Session
 from anamorph.methods.session import DrawingSession, Stage
+from anamorph.optics.ray_meshes import bodies_of
 from anamorph.optics.tessellation import refined_scene
 from anamorph.scene.camera import Camera
 from anamorph.scene.geometry import Geometry
 
-MAXIMUM_BOUNCES = 8
 REFINEMENTS_BEFORE_TRACING = 3
 
 RAY_SHARE = 0.1
 """The share of the tolerance that a fragment's own ray may take up."""
 
 ERROR_FORMAT = "r32float"
-
-
-@dataclass(frozen=True)
-class Options:
-    """Options of `pervertex`.
-
-    Parameters
-    ----------
-    antialias : int
-        Samples a pixel of the picture and of the maps: 1 or 4.
-    mipmaps : bool
-        Whether maps have mipmaps.
-    resolution : float
-        Texels of a map for each pixel that it fills, along one axis.
-    projective : bool
-        Whether texture coordinates are projective; false is the paper's plain (s, t).
-    align : bool
-        Whether maps are turned to the principal directions of their rays.
-    field : float
-        Degrees: a body whose rays spread wider is too wide for one map.
-    wide : str
-        What is drawn for such a body: "patches", into which it is divided, with a map each, or "cube", a cube map at
-        its virtual viewpoint. Where there is no such point behind it, it is divided all the same.
-    bounces : int
-        How many specular surfaces a path may meet: mirrors in mirrors.
-    refine : int
-        Steps that each fragment takes through its map towards what its own ray meets; 0 is the paper.
-    start : str
-        What the steps start from: "vertices", the places that the vertex rays give; "direction", a far point along
-        each vertex ray, so that no ray is cast at all.
-    tolerance : float
-        Pixels: where what a fragment shows may be further than this from what it should, its tile of the picture is
-        traced. 0 traces nothing. At least three refinements go before.
-    overlay : str
-        What to draw over the picture: "none"; "mesh", the mirror's wireframe and a ball at each vertex ray's hit, as
-        the paper's Figure 1; "inconsistency", the fragments and the vertices that may not show what their rays meet,
-        its Figure 16.
-    """
-
-    antialias: int = option(1, choices=(1, 4))
-    mipmaps: bool = False
-    resolution: float = option(1.0, low=0.01, high=16.0)
-    projective: bool = True
-    align: bool = True
-    field: float = option(100.0, low=1.0, high=150.0, unit="degrees")
-    wide: str = option("patches", choices=("patches", "cube"))
-    bounces: int = option(2, low=1, high=MAXIMUM_BOUNCES)
-    refine: int = option(0, low=0, high=16)
-    start: str = option("vertices", choices=("vertices", "direction"))
-    tolerance: float = option(0.0, low=0.0, unit="pixels")
-    overlay: str = option("none", choices=OVERLAYS)
 
 
 OUTPUTS: dict[str, tuple[str, ...]] = {
@@ -118,17 +66,17 @@ class PerVertexDrawing:
 
     def __init__(self, stage: Stage, options: Options) -> None:
         self._stage, self._options = stage, options
-        self._world = world = world_of(stage.geometry)
-        bodies = bodies_of(stage.view.scene, stage.geometry, world)
-        depths = options.bounces if len(bodies) > 1 else 1
+        bodies = bodies_of(stage.view.scene, stage.geometry)
+        self._surroundings = surroundings = surroundings_of(stage.geometry, bodies)
+        levels = options.bounces if len(bodies) > 1 else 1
         layout = level_layout()
         self._levels = [
-            Level(stage.buffers, layout, options.antialias, options.mipmaps, ends=depth + 1 < depths)
-            for depth in range(depths)
+            Level(stage.buffers, layout, options.antialias, options.mipmaps, ends=number + 1 < levels)
+            for number in range(levels)
         ]
         self._mender: Mender | None = None
         if options.tolerance > 0.0:
-            self._mender = Mender(stage, world.caster)
+            self._mender = Mender(stage, surroundings.caster)
             self._errors = make_texture(stage.view.size, ERROR_FORMAT)
             self._errors_view = self._errors.create_view()
         self._picture: Picture | None = None
@@ -145,8 +93,8 @@ class PerVertexDrawing:
         }
 
         @cache
-        def pipeline(bends: bool, sides: int, cube: bool, output: str) -> wgpu.GPURenderPipeline:
-            kind = "refractor" if bends else "reflector"
+        def pipeline(refracts: bool, sides: int, cube: bool, output: str) -> wgpu.GPURenderPipeline:
+            kind = "refractor" if refracts else "reflector"
             return make_pipeline(
                 module,
                 f"{kind}_vertex",
@@ -165,14 +113,13 @@ class PerVertexDrawing:
             return make_pipeline(module, vertex, None, (), **settings)
 
         self._nowhere = depth_pipeline("nowhere_vertex")
-        self._looked_up = [depth_pipeline("looked_up_vertex", constants={"REFRACTS": bends}) for bends in (0, 1)]
+        self._looked_up = [depth_pipeline("looked_up_vertex", constants={"REFRACTS": number}) for number in (0, 1)]
         self._pipeline = pipeline
-        plan = PlanOptions(options.projective, options.align, self._mender is not None, options.start == "vertices")
         self._pictures = Pictures(
-            world,
+            surroundings,
             bodies,
             self._levels,
-            PictureOptions(plan, options.field, options.wide, options.resolution),
+            options,
             # Not a method of this drawing: it would keep itself, and all that it has on the device, alive.
             partial(_draw_in_map, pipeline),
         )
@@ -184,19 +131,19 @@ class PerVertexDrawing:
 
     def deformed(self, geometry: Geometry) -> None:
         """Have the next maps and rays see the moved scene; without vertex rays nothing is cast, and no tree follows."""
-        caster = self._world.caster
-        if self._options.start == "vertices":
+        caster = self._surroundings.caster
+        if self._options.casts:
             caster.moved(geometry.positions)
         if self._mender is not None:
             self._mender.moved(geometry)
-        self._world = world_of(geometry, caster)
-        self._pictures.moved(self._world)
+        self._surroundings = self._surroundings.moved(geometry)
+        self._pictures.moved(self._surroundings)
         self._camera = None
 
     @property
-    def world(self) -> World:
+    def surroundings(self) -> Surroundings:
         """What the rays may hit."""
-        return self._world
+        return self._surroundings
 
     def plan(self, camera: Camera) -> Picture | None:
         """Plan all maps (steps 1 to 3) for a frame from `camera`; None where no mirror or lens is seen."""
@@ -212,7 +159,7 @@ class PerVertexDrawing:
         self._camera = camera
         self.plan(camera)
         if self._marks is not None:
-            self._marks.place(self._picture, camera, self._stage.view.size, self._world)
+            self._marks.place(self._picture, camera, self._stage.view.size, self._surroundings)
         looks = self._options.refine > 0 or self._mender is not None or self._options.overlay == "inconsistency"
         kinds: Sequence[MapKind] = (MapKind.COLOR,)
         # Steps lead anywhere in a map, mipmaps blend far texels, and samples at a triangle's border look up beside it.
@@ -231,7 +178,7 @@ class PerVertexDrawing:
         level.select(depth_pass, draw.number)
         depth_pass.set_pipeline(self._nowhere)
         depth_pass.draw(3)
-        depth_pass.set_pipeline(self._looked_up[draw.bends])
+        depth_pass.set_pipeline(self._looked_up[draw.refracts])
         depth_pass.draw(6 * draw.count, 1, 6 * draw.first)
 
     def complete(self, target: Target, camera: Camera, shift: tuple[float, float]) -> None:
@@ -283,13 +230,13 @@ class PerVertexDrawing:
 
 
 Pipelines = Callable[[bool, int, bool, str], wgpu.GPURenderPipeline]
-"""Of a patch: whether it bends light, its sides, whether its map is a cube, and the output."""
+"""Of a patch: whether it is a lens, its sides, whether its map is a cube, and the output."""
 
 
 def _draw(pipeline: Pipelines, picture: Picture, output: str, render_pass: wgpu.GPURenderPassEncoder) -> None:
     drawn = None
-    for draw in sorted(picture.draws, key=lambda draw: (draw.bends, draw.sides, draw.cube)):
-        chosen = pipeline(draw.bends, draw.sides, draw.cube, output)
+    for draw in sorted(picture.draws, key=lambda draw: (draw.refracts, draw.sides, draw.cube)):
+        chosen = pipeline(draw.refracts, draw.sides, draw.cube, output)
         if chosen is not drawn:
             render_pass.set_pipeline(chosen)
             drawn = chosen
@@ -304,9 +251,9 @@ def _draw_in_map(pipeline: Pipelines, picture: Picture, kind: MapKind, render_pa
 def open_session(view: View, options: Options) -> Session:
     """Start drawing `view` by per-vertex reflection."""
     check_options("pervertex", options)
-    if options.start == "direction" and options.overlay != "none":
+    if not options.casts and options.overlay != "none":
         raise AnamorphError("pervertex: an overlay needs the vertex rays; give start=vertices")
-    if options.start == "direction" and options.tolerance > 0.0:
+    if not options.casts and options.tolerance > 0.0:
         raise AnamorphError("pervertex: a tolerance needs the vertex rays; give start=vertices")
     if options.tolerance > 0.0:
         if options.antialias > 1:

@@ -16,7 +16,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from anamorph.methods.pervertex.bodies import Sight
 from anamorph.methods.pervertex.bundle import (
     areas_of,
     crossings,
@@ -24,9 +23,11 @@ from anamorph.methods.pervertex.bundle import (
     part_of,
     past_frame,
     pixel_weights,
-    size_of,
 )
-from anamorph.methods.pervertex.world import World
+from anamorph.methods.pervertex.mounting import size_of
+from anamorph.methods.pervertex.options import Options
+from anamorph.methods.pervertex.surroundings import Surroundings
+from anamorph.optics.ray_meshes import BodyRays
 from anamorph.optics.viewpoint import virtual_viewpoint
 from anamorph.projection import MapFrame, Projection, far_projection, map_frame, map_projection
 from anamorph.raymesh import RayMesh, RayStatus
@@ -37,6 +38,9 @@ WIDEST = 4.0
 
 NARROWINGS = 4
 """How often the rays that a map cannot hold are left out of its mean direction."""
+
+ALL_AROUND = 1e-9
+"""The mean of unit directions is rounding alone if it is shorter than this: they go to all sides alike."""
 
 EDGE_MARGIN = 1.0
 """By how much of the fan of converging rays a hit near their crossing may lie outside it."""
@@ -51,29 +55,6 @@ ROUND = 1.02
 """How much longer than wide a bundle of rays must be for the map to be turned along it."""
 
 
-@dataclass(frozen=True)
-class PlanOptions:
-    """What of the plan one may choose.
-
-    Parameters
-    ----------
-    projective : bool
-        Whether texture coordinates are projective; false is the paper's plain (s, t).
-    align : bool
-        Whether the map's axes follow the principal directions of the rays (4.3).
-    strict : bool
-        Whether the map must show all that the mirror does: then a vertex whose ray meets something before the near
-        plane has no place in it.
-    cast : bool
-        Whether to find what the vertex rays hit (step 3.1); else a vertex looks up a point far along its ray.
-    """
-
-    projective: bool = True
-    align: bool = True
-    strict: bool = False
-    cast: bool = True
-
-
 @dataclass(frozen=True, eq=False)
 class MapPlan:
     """One patch's map for one frame: steps 1 to 3 of the paper.
@@ -84,7 +65,7 @@ class MapPlan:
         The map's view volume (3.3), or those of a cube map's faces. Of converging rays first the region beyond their
         crossing, then the one before it.
     viewpoint : (4,) float64
-        The virtual viewpoint (3.2), homogeneous; lines of sight leave it in the first of the projections.
+        The virtual viewpoint (3.2), homogeneous; lines of body_rays leave it in the first of the projections.
     vertices : (V,) int
         The patch's vertices in its ray mesh.
     lookups : (C, V, 4) float64
@@ -125,68 +106,72 @@ class MapPlan:
         return Eye(-self.viewpoint if self.reversed(number) else self.viewpoint, matrix, size)
 
 
-def plan_map(sight: Sight, faces: np.ndarray, hider: np.ndarray, world: World, options: PlanOptions) -> MapPlan | None:
+def plan_map(
+    body_rays: BodyRays, faces: np.ndarray, occluder: np.ndarray, surroundings: Surroundings, options: Options
+) -> MapPlan | None:
     """Find a patch's virtual viewpoint, view volume and texture coordinates; None where no map can show it.
 
     Parameters
     ----------
-    sight : Sight
+    body_rays : BodyRays
         A body's rays (step 1).
     faces : (F,) int
         The patch, by the numbers of its faces in the ray mesh.
-    hider : (V,) int
+    occluder : (V,) int
         The object that hides each vertex of the ray mesh from the eye, or 0.
-    world : World
+    surroundings : Surroundings
         What the rays may hit.
-    options : PlanOptions
+    options : Options
 
     Returns
     -------
     MapPlan or None
         None where only the body's back is seen, and where its rays go to all sides alike.
     """
-    vertices, corners = np.unique(sight.rays.faces[faces], return_inverse=True)
+    vertices, corners = np.unique(body_rays.rays.faces[faces], return_inverse=True)
     corners = corners.reshape(-1, 3)
-    bundles = [part_of(rays, vertices, corners) for rays in (sight.rays, *sight.others)]
-    rays, hider, outward = bundles[0], hider[vertices], sight.outward[vertices]
+    bundles = [part_of(rays, vertices, corners) for rays in (body_rays.rays, *body_rays.others)]
+    rays, occluder, outward = bundles[0], occluder[vertices], body_rays.side.outward[vertices]
     facing = rays.status == RayStatus.OK
     if not facing.any():
         return None
     directions = rays.unit_directions()
     weights = _narrowed(pixel_weights(rays, facing), directions[facing])
-    if np.linalg.norm(weights @ directions[facing]) < 1e-9:
+    if np.linalg.norm(weights @ directions[facing]) < ALL_AROUND:
         return None
     viewpoint, frame = _map_frame(rays.origins[facing], directions[facing], weights, options.align)
     normal = _near_normal(weights, outward[facing], directions[facing], frame)
-    own = tuple(mesh + 1 for mesh in sight.side.meshes)
-    past, top = past_frame(rays, directions, np.where(np.isin(hider, own), 0, hider), facing, normal, world)
-    if not options.cast:
+    own, mounting = body_rays.side.objects, surroundings.mountings[body_rays.side]
+    past, top = past_frame(
+        rays, directions, np.where(np.isin(occluder, own), 0, occluder), facing, normal, surroundings
+    )
+    if not options.casts:
         # What lies on the mirror stands for what is found to hide its vertices.
-        covered = sight.side.covered[vertices]
+        covered = mounting.covered[vertices]
         top = (rays.origins @ normal + covered)[covered > 0.0].max(initial=-np.inf)
-    from_inside = sight.side.closed and frame.convergence > 0.0 and options.cast
-    if from_inside and world.sees(viewpoint[:3] / viewpoint[3], rays.origins[facing], own):
+    from_inside = mounting.closed and frame.convergence > 0.0 and options.casts
+    if from_inside and surroundings.sees(viewpoint[:3] / viewpoint[3], rays.origins[facing], own):
         # Nothing is behind the surface of a closed body: the map sees all from its viewpoint on.
         normal = frame.axes[2]
         height = float(viewpoint[:3] @ normal / viewpoint[3])
         near_plane = np.append(normal, -height - 1e2 * CLEARANCE * size_of(rays.origins))
     else:
-        near_plane = _near_plane(normal, rays.origins[facing], sight.side.behind[vertices][facing], viewpoint, frame)
+        near_plane = _near_plane(normal, rays.origins[facing], mounting.behind[vertices][facing], viewpoint, frame)
     if np.isfinite(top):
         foremost = (rays.origins[facing] @ normal).max()
         clearance = CLEARANCE * size_of(rays.origins[facing])
         near_plane[3] = -(foremost if options.strict else max(foremost, top)) - clearance
 
     # Steps 3.1 to 3.3: where the lines from the viewpoint to the hits cross the projection plane.
-    found = [_looked_up(each, frame, facing, near_plane, past, own, world, options) for each in bundles]
+    found = [_looked_up(each, frame, facing, near_plane, past, own, surroundings, options) for each in bundles]
     hits, distances, places, inside = (np.stack(parts) for parts in zip(*found, strict=True))
     if options.strict:
         for number, each in enumerate(bundles):
             ways = each.unit_directions()
-            first = world.caster.cast(each.origins, ways, world.caster.near)
+            first = surroundings.caster.cast(each.origins, ways, surroundings.caster.near)
             met = first.triangle >= 0
             ends = each.origins + np.where(met, first.distance, 0.0)[:, None] * ways
-            inside[number] &= (hider > 0) | ~facing | ~met | (ends @ near_plane[:3] + near_plane[3] >= 0.0)
+            inside[number] &= (occluder > 0) | ~facing | ~met | (ends @ near_plane[:3] + near_plane[3] >= 0.0)
     if not (inside & facing).any():
         return None
     # What is seen of a triangle may reach up to its vertices that are not.
@@ -206,10 +191,10 @@ def plan_map(sight: Sight, faces: np.ndarray, hider: np.ndarray, world: World, o
         [texcoords * weight[:, None], np.broadcast_to(weight, valid.shape)[..., None], valid[..., None]], axis=2
     )
     lookups[~valid, :2], lookups[~valid, 2] = 0.5, 1.0
-    projections = [map_projection(frame, bounds, near_plane, world.corners)]
+    projections = [map_projection(frame, bounds, near_plane, surroundings.corners)]
     if frame.convergence < 0.0:
         projections.insert(0, far_projection(frame, bounds))
-        if not np.delete(world.visible(projections[1].clip), sight.side.meshes).any():
+        if not np.delete(surroundings.visible(projections[1].clip), body_rays.side.meshes).any():
             projections.pop()
     texels, used = _texels(rays, texcoords[0], valid[0] & facing, np.ptp(bounds, axis=0))
     sizes = (texels,) * len(projections)
@@ -230,13 +215,13 @@ def _looked_up(
     near_plane: np.ndarray,
     past: np.ndarray,
     own: tuple[int, ...],
-    world: World,
-    options: PlanOptions,
+    surroundings: Surroundings,
+    options: Options,
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
     """Hits (V, 3) and their distances (V,), their places in the image plane (V, 2), and which of these are usable."""
     directions = rays.unit_directions()
     nearest = np.maximum(crossings(rays.origins, directions, near_plane), past)
-    hits, distances, met = find_hits(rays, nearest, own, world, options.cast)
+    hits, distances, met = find_hits(rays, nearest, own, surroundings, options.casts)
     projected = frame.project(hits)
     crossed = projected[:, 2] < 0.0 if frame.convergence < 0.0 else np.zeros(len(hits), bool)
     usable = (projected[:, 2] > 0.0) | crossed
@@ -259,8 +244,9 @@ def _narrowed(weights: np.ndarray, directions: np.ndarray) -> np.ndarray:
     narrowed = weights
     for _ in range(NARROWINGS):
         forward = narrowed @ directions
-        held = directions @ forward > np.linalg.norm(forward) / np.hypot(1.0, WIDEST)
-        if held.all() or not (weights * held).any():
+        length = np.linalg.norm(forward)
+        held = directions @ forward > length / np.hypot(1.0, WIDEST)
+        if length < ALL_AROUND or held.all() or not (weights * held).any():
             break
         narrowed = weights * held / (weights @ held)
     return narrowed
@@ -329,7 +315,7 @@ def _near_plane(
     # Half the way to what stands behind: between the vertices it may be nearer.
     level = max(float(heights.min()) - clearance, float((heights - 0.5 * behind).max()))
     if frame.convergence != 0.0:
-        # Lines of sight leave the viewpoint before they cross the plane, or end there after it.
+        # Lines of body_rays leave the viewpoint before they cross the plane, or end there after it.
         limit = float(viewpoint[:3] @ normal / viewpoint[3]) + 1e2 * clearance * np.sign(frame.convergence)
         level = max(level, limit) if frame.convergence > 0.0 else min(level, limit)
     return np.append(normal, -min(level, float(heights.max()) + clearance))

@@ -13,8 +13,9 @@ from anamorph.base.steps import drain
 from anamorph.frame import Status
 from anamorph.methods.tracing.bounces import DIFFUSE, GLASS, MIRROR, NO_RAYS, WORDS, Paths, VertexRays, World, advance
 from anamorph.methods.tracing.launch import Launch, along_rays, from_eye
-from anamorph.methods.tracing.vertex_rays import Line, SceneRays
+from anamorph.methods.tracing.vertex_rays import vertex_rays
 from anamorph.optics.dispersion import line_indices
+from anamorph.optics.ray_meshes import Line, bodies_of
 from anamorph.rays.caster import Caster
 from anamorph.scene.camera import Camera
 from anamorph.scene.geometry import Geometry
@@ -63,7 +64,8 @@ class PathTracer:
         self._caster = caster
         self._red, self._green, self._blue = _worlds(scene, geometry, caster.near, max_bounces)
         self.disperses = bool(self._green.disperses.any())
-        self._scene_rays = SceneRays(scene, geometry) if truth == "raymesh" else None
+        self._geometry = geometry
+        self._bodies = bodies_of(scene, geometry) if truth == "raymesh" else None
         self._thread = threading.local()
 
     def moved(self, geometry: Geometry) -> None:
@@ -316,7 +318,9 @@ class PathTracer:
 
     def _vertex_rays(self, camera: Camera, size: tuple[int, int], line: Line) -> VertexRays:
         """The rays of the ray meshes; none for surface truth."""
-        return NO_RAYS if self._scene_rays is None else self._scene_rays.seen_by(camera.eye(size), line)
+        if self._bodies is None:
+            return NO_RAYS
+        return vertex_rays(self._bodies, self._geometry, camera.eye(size), line)
 
 
 def _worlds(scene: Scene, geometry: Geometry, near: float, max_bounces: int) -> tuple[World, World, World]:

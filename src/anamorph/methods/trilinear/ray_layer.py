@@ -1,7 +1,7 @@
 """One layer of a picture: the rays that leave the specular surfaces first met, or those that go on from a second one.
 
 Each layer plans what its rays see, finds it for each pixel, and colours it over the layer before. The first one's rays
-come from ray_sources.py; those of the next follow from what it sees of mirrors.
+come from ray_triangles.py; those of the next follow from what it sees of mirrors.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ from anamorph.methods.trilinear.ray_records import (
     straight_records,
     triangle_records,
 )
-from anamorph.methods.trilinear.ray_sources import Rays
+from anamorph.methods.trilinear.ray_triangles import RayTriangles
 from anamorph.methods.trilinear.straight.straight import straight_pieces
 from anamorph.methods.trilinear.tree import Tree
 from anamorph.methods.trilinear.visibility import FINENESS, Visibility
@@ -46,7 +46,7 @@ class World:
     tree : Tree
     corners, normals : (F, 3, 3) float64
     group : (F,) int32
-        See `Sources`.
+        See `body_groups`.
     object : (F,) int32
         The object number of each.
     mirror : (F,) bool
@@ -103,28 +103,30 @@ class Layer:
         self._spacing = 0.0 if straight is not None else 1.0 / FINENESS if visibility.fine is not None else 1.0
         self._planner = Planner()
 
-    def beams(self, rays: Rays, world: World) -> Generator[None, None, Beams]:
+    def beams(self, rays: RayTriangles, world: World) -> Generator[None, None, Beams]:
         """The rays that exist, as functions of the picture."""
         chosen = np.flatnonzero(rays.exists)
         picture, origins, directions = (each[chosen] for each in (rays.picture, rays.origins, rays.directions))
         beams = yield from making_beams(picture, origins, directions, self._size, world.near, self._spacing)
         return beams._replace(number=chosen[beams.number].astype(np.int32))
 
-    def plan(self, rays: Rays, beams: Beams, world: World) -> Generator[None, None, Plan]:
+    def plan(self, rays: RayTriangles, beams: Beams, world: World) -> Generator[None, None, Plan]:
         """What the rays see."""
         shown, tree = beams.number, world.tree
         own = Own(rays.face[shown], rays.group[shown], rays.sees[shown])
         triangles = Triangles(tree.faces, tree.low, tree.high, tree.corners, world.group)
         return (yield from self._planner.planning(beams, triangles, own))
 
-    def first(self, rays: Rays, beams: Beams, records: np.ndarray, world: World) -> Generator[None, None, Sight]:
+    def first(
+        self, rays: RayTriangles, beams: Beams, records: np.ndarray, world: World
+    ) -> Generator[None, None, Sight]:
         """Take over the rays that leave the surfaces first met; `records` are those of `triangle_records`."""
         plan = yield from self.plan(rays, beams, world)
         pairs = pair_records(beams, plan, world.group > 0)
         self.visibility.write(records, pairs, self._pieces(rays, beams, plan, world))
         return Sight(beams, plan, records, pairs)
 
-    def _pieces(self, rays: Rays, beams: Beams, plan: Plan, world: World) -> np.ndarray:
+    def _pieces(self, rays: RayTriangles, beams: Beams, plan: Plan, world: World) -> np.ndarray:
         if self._straight is None:
             return piece_records(beams, plan)
         # Those left out may have no direction at all.
@@ -156,7 +158,7 @@ class Layer:
         face = pair[chosen, 1]
         count = len(chosen)
         nothing = np.zeros(count, np.int32)
-        rays = Rays(
+        rays = RayTriangles(
             sent.picture, sent.origins, sent.directions, np.ones((count, 3)),
             np.ones(count, bool), np.zeros(count, bool),
             face, world.object[face], world.group[face], np.full(count, FRONTS, np.int32), nothing,

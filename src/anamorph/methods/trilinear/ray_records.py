@@ -6,7 +6,7 @@ import numpy as np
 
 from anamorph.methods.trilinear.beams import Beams
 from anamorph.methods.trilinear.plan import Plan
-from anamorph.methods.trilinear.ray_sources import Rays
+from anamorph.methods.trilinear.ray_triangles import RayTriangles
 from anamorph.methods.trilinear.straight.straight import StraightPieces
 from anamorph.projection import camera_projection
 from anamorph.scene.camera import Camera
@@ -40,7 +40,7 @@ SPECULAR = np.uint32(0x80000000)
 """What marks the front of a specular surface among the triangles seen."""
 
 
-def triangle_records(rays: Rays, beams: Beams) -> np.ndarray:
+def triangle_records(rays: RayTriangles, beams: Beams) -> np.ndarray:
     """All ray triangles, (K,) of `RAY_TRIANGLE`. Those that the picture does not show are left at zero but for where
     they are, and have no number."""
     records = np.zeros(len(rays.picture), RAY_TRIANGLE)

@@ -1,7 +1,7 @@
 """Trilinear projection: every scene triangle drawn through every ray triangle that sees it, with exact curved edges.
 
 Source: Vallance, "Trilinear projection" (PhD thesis, 2005). A mirror, a lens, or a camera made by hand is a mesh of ray
-triangles (chapters 2, 5 to 7; ray_sources.py). What each of them sees of the scene is planned on the processor
+triangles (chapters 2, 5 to 7; ray_triangles.py). What each of them sees of the scene is planned on the processor
 (trilinear/: beams, tree, pairs, plan), found by the device without a ray being cast (visibility.py), and coloured
 (coloring.py); here it becomes a part of the picture.
 
@@ -30,9 +30,10 @@ from anamorph.methods.session import DrawingSession, Stage
 from anamorph.methods.trilinear.coloring import Coloring, Kind
 from anamorph.methods.trilinear.ray_layer import Layer, Sight, Straight, World
 from anamorph.methods.trilinear.ray_records import add_incident, triangle_records
-from anamorph.methods.trilinear.ray_sources import Sources, bare_rays
+from anamorph.methods.trilinear.ray_triangles import body_groups, body_triangles, camera_triangles, lens_edges
 from anamorph.methods.trilinear.tree import make_tree, moved_tree
 from anamorph.methods.trilinear.visibility import Visibility, data_layout
+from anamorph.optics.ray_meshes import bodies_of
 from anamorph.raymesh import RayMesh
 from anamorph.scene.camera import Camera
 from anamorph.scene.geometry import Geometry
@@ -84,19 +85,21 @@ class TrilinearDrawing:
         self._stage, self._options = stage, options
         scene, size, geometry = stage.view.scene, stage.view.size, stage.geometry
         self._bare = not stage.pinhole
-        self._sources = Sources(scene, geometry)
-        self.replaced = () if self._bare else self._sources.meshes
+        self._bodies = bodies_of(scene, geometry)
+        self.replaced = () if self._bare else tuple(mesh for body in self._bodies for mesh in body.meshes)
         corners = np.asarray(geometry.positions, float)[geometry.faces]
+        group, normals = body_groups(self._bodies, geometry)
         mirror = np.isin(geometry.face_object, np.array(stage.buffers.mirrors) + 1)
         self._world = World(
-            make_tree(corners), corners, self._sources.normals, self._sources.group,
+            make_tree(corners), corners, normals, group,
             geometry.face_object.astype(np.int32), mirror, NEAR * float(np.abs(corners).max(initial=0.0)),
         )  # fmt: skip
         self._sights: list[Sight] = []
         self._colors = make_target(size, (COLOR_FORMAT,))
-        lenses = self._sources.lenses.astype(np.float32)
+        lenses = lens_edges(self._bodies).astype(np.float32)
         self._lenses = storage_buffer(lenses if len(lenses) else np.zeros((1, 2, 4), np.float32))
-        disperses = options.dispersion and not self._bare and self._sources.disperses
+        disperses = any(side.disperses for body in self._bodies for side in body.sides)
+        disperses = disperses and options.dispersion and not self._bare
         self._lines = [self._line(mask) for mask in (LINES if disperses else LINES[:1])]
         whole = layout_of(texture())
         self._whole = bind(whole, [self._colors.textures[0].create_view()])
@@ -130,7 +133,10 @@ class TrilinearDrawing:
             before = layers[-1] if layers else None
             bare, fine = self._bare or depth > 0, options.antialias > 1 and depth == 0
             kind = Kind(
-                bare, not bare and len(self._sources.lenses) > 0, bool(self._world.group.any()), straight is not None
+                bare,
+                not bare and any(side.refracts for body in self._bodies for side in body.sides),
+                bool(self._world.group.any()),
+                straight is not None,
             )
             visibility = Visibility(
                 stage.buffers, self._lenses, stage.view.size, bare, fine, straight is not None,
@@ -154,12 +160,12 @@ class TrilinearDrawing:
         """Plan what each ray triangle sees, find it for each pixel, and colour it, in steps."""
         recorder = self._stage.recorder
         size, projection = self._stage.view.size, self._stage.projection
-        if not self._bare and not self._sources.meshes:
+        if not self._bare and not self._bodies:
             return encoder
         if isinstance(camera, RayMesh):
-            lines = [bare_rays(camera)]
+            lines = [camera_triangles(camera)]
         else:
-            lines = self._sources.rays(camera, size, self._options.dispersion)
+            lines = body_triangles(self._bodies, self._stage.geometry, camera.eye(size), self._options.dispersion)
         for number, (unmoved, layers) in enumerate(zip(lines, self._lines, strict=False)):
             rays = replace(unmoved, picture=unmoved.picture - unmoved.picture[..., 2:] * [*shift, 0.0])
             beams = yield from layers[0].beams(rays, self._world)

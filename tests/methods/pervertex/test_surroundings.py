@@ -9,10 +9,12 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from scenes import CAMERA, SIZE
+from scenes import CAMERA, SIZE, flat_mirror
 
 from anamorph.gallery.shapes import box, grid
-from anamorph.methods.pervertex.world import MOST_LAYERS, World, world_of
+from anamorph.methods.pervertex.mounting import MOST_LAYERS, what_is_behind
+from anamorph.methods.pervertex.surroundings import Surroundings, surroundings_of
+from anamorph.optics.ray_meshes import bodies_of
 from anamorph.projection import MapFrame, camera_projection, far_projection, map_projection, pinhole_projection
 from anamorph.scene.geometry import flatten
 from anamorph.scene.model import Diffuse, Scene
@@ -48,10 +50,10 @@ def test_a_mesh_with_a_visible_point_is_never_left_out(seed, kind, extent):
     positions = generator.normal(size=(12, 1, 3)) * 3.0 + extent * generator.uniform(-1, 1, (12, 200, 3))
     low, high = positions.min(axis=1), positions.max(axis=1)
     boxes = np.stack([np.stack(np.meshgrid(*pair), axis=-1).reshape(-1, 3) for pair in np.stack([low, high], axis=2)])
-    world = World(SimpleNamespace(), np.zeros(0), boxes[0], boxes, 1.0)
+    around = Surroundings(SimpleNamespace(), np.zeros(0), boxes[0], boxes, 1.0)
     x, y, z, w = np.moveaxis(positions @ clip[:, :3].T + clip[:, 3], -1, 0)
     shown = (w > 0.0) & (np.abs(x) <= w) & (np.abs(y) <= w) & (z >= 0.0) & (z <= w)
-    assert not (shown.any(axis=1) & ~world.visible(clip)).any()
+    assert not (shown.any(axis=1) & ~around.visible(clip)).any()
 
 
 def scene_of(*meshes):
@@ -66,19 +68,21 @@ def cube(middle, half=0.1):
 def test_what_is_behind_or_beside_is_left_out():
     camera = replace(CAMERA, position=(0.0, 0.0, 0.0), target=(0.0, 0.0, -1.0))
     places = [(0, 0, -2), (0, 0, 2), (5, 0, -2), (-5, 0, -2), (0, 5, -2), (0, -5, -2), (0.7, 0, -2), (0, 0, 0)]
-    world = world_of(flatten(scene_of(*(cube(place) for place in places))))
-    visible = world.visible(camera_projection(camera, SIZE).clip)
+    around = surroundings_of(flatten(scene_of(*(cube(place) for place in places))))
+    visible = around.visible(camera_projection(camera, SIZE).clip)
     assert visible.tolist() == [True, False, False, False, False, False, True, True]
 
 
 def test_beyond_their_crossing_and_before_it_maps_see_their_own_part():
     frame = MapFrame(np.zeros(3), np.eye(3), np.zeros(2), -1.0)
     bounds = np.array([[-0.5, -0.5], [0.5, 0.5]])
-    world = world_of(flatten(scene_of(cube((0, 0, 0.5)), cube((0, 0, 3.0)), cube((0, 0, 1.0)), cube((0, 0, -3.0)))))
+    around = surroundings_of(
+        flatten(scene_of(cube((0, 0, 0.5)), cube((0, 0, 3.0)), cube((0, 0, 1.0)), cube((0, 0, -3.0))))
+    )
     far = far_projection(frame, bounds)
-    near = map_projection(frame, bounds, np.array([0.0, 0.0, 1.0, 0.0]), world.corners)
-    assert world.visible(far.clip).tolist() == [False, True, True, False]
-    assert world.visible(near.clip).tolist() == [True, False, True, False]
+    near = map_projection(frame, bounds, np.array([0.0, 0.0, 1.0, 0.0]), around.corners)
+    assert around.visible(far.clip).tolist() == [False, True, True, False]
+    assert around.visible(near.clip).tolist() == [True, False, True, False]
 
 
 def wall(height, name="wall"):
@@ -89,28 +93,39 @@ def wall(height, name="wall"):
 def test_what_stands_behind_is_as_far_as_it_is_unless_the_body_itself_comes_first():
     points = np.array([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]])
     outward = np.tile([0.0, 0.0, 1.0], (3, 1))
-    body, behind, before = wall(0.0, "body"), wall(-0.7), wall(2.0)
-    far = world_of(flatten(scene_of(body, behind, before)))
-    assert far.behind(points, outward, (1,))[0] == pytest.approx([0.7] * 3)
-    assert np.isinf(world_of(flatten(scene_of(body, before))).behind(points, outward, (1,))[0]).all()
+    body, back, before = wall(0.0, "body"), wall(-0.7), wall(2.0)
+
+    def behind(own, *meshes):
+        around = surroundings_of(flatten(scene_of(*meshes)))
+        return what_is_behind(around.caster, around.face_object, points, outward, own)
+
+    assert behind((1,), body, back, before)[0] == pytest.approx([0.7] * 3)
+    assert np.isinf(behind((1,), body, before)[0]).all()
     # The body's own back stands between.
-    own = world_of(flatten(scene_of(body, behind, wall(-0.3, "back"))))
-    distances, closed = own.behind(points, outward, (1, 3))
+    own = body, back, wall(-0.3, "back")
+    distances, closed = behind((1, 3), *own)
     assert np.isinf(distances).all() and closed
-    assert not own.behind(points, outward, (1,))[1]
-    assert own.behind(points, outward, (1,))[0] == pytest.approx([0.3] * 3)
+    assert not behind((1,), *own)[1]
+    assert behind((1,), *own)[0] == pytest.approx([0.3] * 3)
     # Something that only part of the surface has behind it.
-    partly = world_of(flatten(scene_of(body, cube((0.0, 0.0, -0.5)))))
-    assert partly.behind(points, outward, (1,))[0] == pytest.approx([0.4, np.inf, np.inf])
+    assert behind((1,), body, cube((0.0, 0.0, -0.5)))[0] == pytest.approx([0.4, np.inf, np.inf])
+
+
+def test_a_mirror_knows_what_stands_behind_it():
+    scene = scene_of(flat_mirror(), box((-1.0, 0.0, -0.5), (1.0, 1.0, -0.2)).mesh("block", Diffuse()))
+    geometry = flatten(scene)
+    bodies = bodies_of(scene, geometry)
+    (mounting,) = surroundings_of(geometry, bodies).mountings.values()
+    assert mounting.behind == pytest.approx([0.2] * 4)
 
 
 @pytest.mark.parametrize("layers", range(MOST_LAYERS + 2))
 def test_rays_pass_through_their_own_body(layers):
     own = [wall(0.1 + 0.1 * number, "own") for number in range(layers)]
-    world = world_of(flatten(scene_of(wall(0.0, "body"), wall(3.0), *own)))
+    around = surroundings_of(flatten(scene_of(wall(0.0, "body"), wall(3.0), *own)))
     numbers = (1, *range(3, 3 + layers))
     origins, directions = np.zeros((2, 3)), np.array([[0.0, 0.0, 1.0], [0.0, 0.0, -1.0]])
-    distances, met = world.cast_past(origins, directions, np.full(2, world.caster.near), numbers)
+    distances, met = around.cast_past(origins, directions, np.full(2, around.caster.near), numbers)
     # What lies behind more layers than are followed counts as the sky.
     assert distances == pytest.approx([3.0 if layers < MOST_LAYERS else np.inf, np.inf])
     assert met.tolist() == [layers > 0, False]
@@ -119,23 +134,23 @@ def test_rays_pass_through_their_own_body(layers):
 def test_rays_of_one_body_pass_each_its_own_layers():
     """Two layers before one ray, one before another, none before the third."""
     own = [cube((0.0, 0.0, 1.0)), cube((1.0, 0.0, 1.0)), cube((0.0, 0.0, 1.5))]
-    world = world_of(flatten(scene_of(wall(0.0, "body"), wall(3.0), *own)))
+    around = surroundings_of(flatten(scene_of(wall(0.0, "body"), wall(3.0), *own)))
     origins = np.array([[0.03, 0.02, 0.0], [1.03, 0.02, 0.0], [2.0, 0.0, 0.0]])
     directions = np.tile([0.0, 0.0, 1.0], (3, 1))
-    distances, met = world.cast_past(origins, directions, np.full(3, world.caster.near), (1, 3, 4, 5))
+    distances, met = around.cast_past(origins, directions, np.full(3, around.caster.near), (1, 3, 4, 5))
     assert met.tolist() == [True, True, False]
     assert distances[1:] == pytest.approx([3.0, 3.0])
 
 
 def test_rays_start_where_they_are_told():
-    world = world_of(flatten(scene_of(wall(0.2), wall(1.0), wall(2.0))))
+    around = surroundings_of(flatten(scene_of(wall(0.2), wall(1.0), wall(2.0))))
     origins, directions = np.zeros((3, 3)), np.tile([0.0, 0.0, 1.0], (3, 1))
-    distances, met = world.cast_past(origins, directions, np.array([0.0, 0.5, 1.5]), (9,))
+    distances, met = around.cast_past(origins, directions, np.array([0.0, 0.5, 1.5]), (9,))
     assert distances == pytest.approx([0.2, 1.0, 2.0]) and not met.any()
 
 
 def test_a_hider_stands_between_the_eye_and_the_point():
-    world = world_of(flatten(scene_of(wall(0.0, "body"), cube((0.0, 0.0, 0.5)), cube((1.0, 0.0, -0.5)))))
+    around = surroundings_of(flatten(scene_of(wall(0.0, "body"), cube((0.0, 0.0, 0.5)), cube((1.0, 0.0, -0.5)))))
     points = np.array([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0]])
-    assert world.hiders(np.array([0.0, 0.0, 2.0]), points).tolist() == [2, 0]
-    assert world.hiders(np.array([1.0, 0.0, -2.0]), points).tolist() == [0, 3]
+    assert around.occluders(np.array([0.0, 0.0, 2.0]), points).tolist() == [2, 0]
+    assert around.occluders(np.array([1.0, 0.0, -2.0]), points).tolist() == [0, 3]

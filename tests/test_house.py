@@ -73,6 +73,23 @@ def test_no_method_imports_another(method: str) -> None:
     assert {(method, name[1]) for name in others if name[1:] and name[1] in METHODS and name[1] != method} <= ACROSS
 
 
+@pytest.mark.parametrize("name", ["measure", "viewer", "bench", "cli"])
+def test_a_room_is_entered_by_its_door(name: str) -> None:
+    """What is not a method takes of a method, and of the tracer, only what the room's `__init__.py` offers."""
+    rooms = (*METHODS, "tracing")
+    inside = {("methods", here, path.stem) for here in rooms for path in (PACKAGE / "methods" / here).iterdir()}
+    for module in (PACKAGE / name).rglob("*.py"):
+        taken = {place[:3] for place in imported_places(module.read_text())} & inside
+        assert not taken, f"{module} imports {taken}"
+
+
+@pytest.mark.parametrize("name", [*METHODS, "tracing"])
+def test_the_door_of_a_room_names_all_that_is_inside(name: str) -> None:
+    door = ast.get_docstring(ast.parse((PACKAGE / "methods" / name / "__init__.py").read_text()))
+    inside = {path.stem for path in (PACKAGE / "methods" / name).iterdir() if not path.name.startswith("__")}
+    assert door and {stem for stem in inside if not re.search(rf"`{stem}(\.wgsl)?`", door)} == set()
+
+
 def test_the_guard_sees_every_form_of_import() -> None:
     forms = (
         "import anamorph.gpu.device\nfrom anamorph import measure\ndef f():\n    from anamorph.cli.commands import main"

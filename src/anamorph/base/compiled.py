@@ -49,11 +49,16 @@ def _compiled(function: Callable[..., Any], **more: bool) -> Callable[..., Any]:
     return dispatcher
 
 
+def compiled_modules() -> list[Path]:
+    """Every module of this package that has compiled functions."""
+    modules = sorted(Path(__file__).parents[1].rglob("*.py"))
+    return [module for module in modules if {b"@compiled", b"@inlined"} & set(module.read_bytes().split())]
+
+
 @cache
 def _stamp() -> str:
     """A digest of every module with compiled functions."""
-    texts = (file.read_bytes() for file in sorted(Path(__file__).parent.rglob("*.py")))
-    return hashlib.sha256(b"".join(text for text in texts if b"@compiled" in text or b"@inlined" in text)).hexdigest()
+    return hashlib.sha256(b"".join(module.read_bytes() for module in compiled_modules())).hexdigest()
 
 
 def cores() -> int:

@@ -1,0 +1,14 @@
+"""Machine code that is kept on disk is made anew when any compiled function of the package has changed."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import anamorph
+from anamorph.base.compiled import compiled_modules
+
+
+def test_the_modules_with_compiled_functions_are_found_in_every_room():
+    package = Path(anamorph.__file__).parent
+    rooms = {module.relative_to(package).parts[0] for module in compiled_modules()}
+    assert {"base", "surfaces", "rays", "methods"} <= rooms

@@ -7,8 +7,8 @@ import numpy as np
 from anamorph.gallery.shapes import lattice
 from anamorph.scene.model import Mesh, Mirror
 from anamorph.scene.normals import doubled_areas, has_area
+from anamorph.surfaces.bezier import BezierPatch
 from anamorph.surfaces.nurbs import NurbsSurface
-from anamorph.surfaces.shapes import BezierPatch
 
 HALF = np.sqrt(0.5)
 

@@ -9,11 +9,12 @@ import numpy as np
 from anamorph.frame import Frame
 from anamorph.gallery.shapes import box, grid
 from anamorph.gallery.textures import checkerboard
-from anamorph.lenses.lens import Lens, Prescription, make_lens
-from anamorph.lenses.lens_mesh import lens_between
-from anamorph.lenses.prescription import round_surface
+from anamorph.lenses.lens import Lens, lens_between
+from anamorph.lenses.making import make_lens
+from anamorph.lenses.prescription import Prescription
 from anamorph.scene.camera import Camera
 from anamorph.scene.model import Diffuse, Glass, Mesh, Scene
+from anamorph.surfaces.sphere import round_surface
 
 SIZE = (200, 150)
 

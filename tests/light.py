@@ -6,17 +6,18 @@ from typing import cast
 
 import numpy as np
 
-from anamorph.lenses.lens_mesh import Lens, LensSurface
+from anamorph.lenses.lens import Lens
+from anamorph.surfaces.base import Surface
 
 
-def surfaces(lens: Lens) -> tuple[LensSurface, LensSurface]:
+def surfaces(lens: Lens) -> tuple[Surface, Surface]:
     """Front and back."""
     front, back = lens.front.surface, lens.back.surface
     assert front is not None and back is not None
-    return cast(LensSurface, front), cast(LensSurface, back)
+    return cast(Surface, front), cast(Surface, back)
 
 
-def meet(surface: LensSurface, origins: np.ndarray, directions: np.ndarray, low: float, high: float) -> np.ndarray:
+def meet(surface: Surface, origins: np.ndarray, directions: np.ndarray, low: float, high: float) -> np.ndarray:
     """Points, (N, 3), at which rays meet a surface between two distances: one root each, found by halving."""
 
     def height(distance: np.ndarray) -> np.ndarray:

@@ -14,7 +14,7 @@ from anamorph.methods import parse
 from anamorph.methods.protocol import Session
 from anamorph.scene.camera import Camera
 from anamorph.scene.model import Diffuse, Mesh, Mirror, Scene, Sky
-from anamorph.surfaces.shapes import Sphere
+from anamorph.surfaces.sphere import Sphere
 
 SIZE = (160, 120)
 CENTER = np.array([0.0, 0.5, 0.0])

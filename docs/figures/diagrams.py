@@ -12,7 +12,8 @@ from figures.warps import warps
 import anamorph as an
 from anamorph import gallery
 from anamorph.gallery.curvature_series import curved_mirror
-from anamorph.lenses.lens import Prescription, make_lens
+from anamorph.lenses.making import make_lens
+from anamorph.lenses.prescription import Prescription
 from anamorph.optics.reflection import Reflector, reflected_rays, reflector
 from anamorph.optics.refraction import Refractor, refracted_rays, refractor
 from anamorph.optics.viewpoint import virtual_viewpoint

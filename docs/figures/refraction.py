@@ -9,7 +9,7 @@ from figures.panels import HALF, WARP, Panel, cropped, draw, outlined
 import anamorph as an
 from anamorph import gallery
 from anamorph.gallery.lenses import EYE, GAZE, PLUS, rim
-from anamorph.lenses.lens import worn_lens
+from anamorph.lenses.making import worn_lens
 from anamorph.optics.dispersion import line_indices
 
 INDICES = (1.60, 1.62)

@@ -15,9 +15,9 @@ if TYPE_CHECKING:
     from anamorph.frame import Frame as Frame
     from anamorph.frame import Status as Status
     from anamorph.lenses.lens import Lens as Lens
-    from anamorph.lenses.lens import Prescription as Prescription
-    from anamorph.lenses.lens import make_lens as make_lens
-    from anamorph.lenses.lens import worn_lens as worn_lens
+    from anamorph.lenses.making import make_lens as make_lens
+    from anamorph.lenses.making import worn_lens as worn_lens
+    from anamorph.lenses.prescription import Prescription as Prescription
     from anamorph.measure.compare import compare as compare
     from anamorph.methods import METHODS as METHODS
     from anamorph.raymesh import RayMesh as RayMesh
@@ -33,11 +33,11 @@ if TYPE_CHECKING:
     from anamorph.scene.model import Scene as Scene
     from anamorph.scene.model import Sky as Sky
     from anamorph.scene.model import Texture as Texture
-    from anamorph.surfaces.sag import EvenAsphere as EvenAsphere
-    from anamorph.surfaces.sag import Toroid as Toroid
-    from anamorph.surfaces.shapes import BezierPatch as BezierPatch
-    from anamorph.surfaces.shapes import Plane as Plane
-    from anamorph.surfaces.shapes import Sphere as Sphere
+    from anamorph.surfaces.bezier import BezierPatch as BezierPatch
+    from anamorph.surfaces.even_asphere import EvenAsphere as EvenAsphere
+    from anamorph.surfaces.plane import Plane as Plane
+    from anamorph.surfaces.sphere import Sphere as Sphere
+    from anamorph.surfaces.toroid import Toroid as Toroid
     from anamorph.viewer.backends.choice import view as view
 
 _HOMES = {
@@ -48,15 +48,20 @@ _HOMES = {
     "anamorph.raymesh": ("RayMesh",),
     "anamorph.rendering": ("render",),
     "anamorph.scene.camera": ("Camera",),
-    "anamorph.lenses.lens": ("Lens", "Prescription", "make_lens", "worn_lens"),
+    "anamorph.lenses.lens": ("Lens",),
+    "anamorph.lenses.making": ("make_lens", "worn_lens"),
+    "anamorph.lenses.prescription": ("Prescription",),
     "anamorph.files.models": ("load_model",),
     "anamorph.scene.model": (
         "AmbientLight", "Diffuse", "DirectionalLight", "Glass", "Mesh",
         "Mirror", "PointLight", "Scene", "Sky", "Texture",
     ),
     "anamorph.files.opening": ("open_scene",),
-    "anamorph.surfaces.sag": ("EvenAsphere", "Toroid"),
-    "anamorph.surfaces.shapes": ("BezierPatch", "Plane", "Sphere"),
+    "anamorph.surfaces.bezier": ("BezierPatch",),
+    "anamorph.surfaces.even_asphere": ("EvenAsphere",),
+    "anamorph.surfaces.plane": ("Plane",),
+    "anamorph.surfaces.sphere": ("Sphere",),
+    "anamorph.surfaces.toroid": ("Toroid",),
     "anamorph.viewer.backends.choice": ("view",),
 }  # fmt: skip
 _HOME_OF = {name: home for home, names in _HOMES.items() for name in names}

@@ -23,7 +23,7 @@ from anamorph.scene.camera import Camera
 from anamorph.scene.checks import check_scene
 from anamorph.scene.geometry import flatten
 from anamorph.scene.model import Diffuse, Scene
-from anamorph.surfaces.shapes import Sphere
+from anamorph.surfaces.sphere import Sphere
 
 ASKEW = Camera((1.0, 2.0, 3.0), (-0.5, 0.25, -1.0), (0.2, 1.0, 0.1), 55.0)
 NARROW = replace(ASKEW, field_of_view=30.0)

@@ -20,9 +20,9 @@ from anamorph.gallery.torus import torus_surface
 from anamorph.measure.compare import measure
 from anamorph.scene.model import Diffuse, Mesh, Mirror
 from anamorph.scene.pose import Pose
+from anamorph.surfaces.bezier import BezierPatch
 from anamorph.surfaces.intersection import intersect
 from anamorph.surfaces.nurbs import NurbsSurface
-from anamorph.surfaces.shapes import BezierPatch
 from anamorph.viewer.controls import edited, reading, scene_controls
 
 AXES = np.array([[0.8, 0.0, -0.6], [0.36, 0.8, 0.48], [0.48, -0.6, 0.64]])

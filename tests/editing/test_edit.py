@@ -18,8 +18,12 @@ from anamorph.gallery.shapes import lattice
 from anamorph.measure.compare import measure
 from anamorph.scene.model import Glass, Mesh, Mirror
 from anamorph.scene.parts import part_names, specular_parts
-from anamorph.surfaces.sag import EvenAsphere, Toroid
-from anamorph.surfaces.shapes import BezierPatch, Plane, Sphere, Surface
+from anamorph.surfaces.base import Surface
+from anamorph.surfaces.bezier import BezierPatch
+from anamorph.surfaces.even_asphere import EvenAsphere
+from anamorph.surfaces.plane import Plane
+from anamorph.surfaces.sphere import Sphere
+from anamorph.surfaces.toroid import Toroid
 
 AXES = np.array([[0.8, 0.0, -0.6], [0.36, 0.8, 0.48], [0.48, -0.6, 0.64]])
 PLACE = np.array([0.3, 1.2, -0.5])

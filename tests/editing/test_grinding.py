@@ -14,13 +14,14 @@ from scenes import drawn, scene_with, surroundings
 from anamorph import gallery
 from anamorph.base.errors import AnamorphError
 from anamorph.editing.grinding import LEAST_EDGE, ground, index_limits, optics_of, power_limits
-from anamorph.lenses.lens import Lens, Prescription, edge_thickness, make_lens, worn_lens
-from anamorph.lenses.lens_mesh import lens_between
+from anamorph.lenses.lens import Lens, lens_between
+from anamorph.lenses.making import edge_thickness, make_lens, worn_lens
+from anamorph.lenses.prescription import Prescription
 from anamorph.measure.compare import measure
 from anamorph.scene.lens_pairs import lens_pairs
 from anamorph.scene.model import Glass
-from anamorph.surfaces.sag import EvenAsphere
-from anamorph.surfaces.shapes import BezierPatch
+from anamorph.surfaces.bezier import BezierPatch
+from anamorph.surfaces.even_asphere import EvenAsphere
 
 RIGHT, UP, OUTWARD = np.eye(3)
 AXES = np.eye(3)

@@ -25,8 +25,10 @@ from anamorph.measure.status import gaps
 from anamorph.methods import parse
 from anamorph.rendering import draw_frame
 from anamorph.scene.model import AmbientLight, Diffuse, DirectionalLight, Glass, Mirror, PointLight
-from anamorph.scene.transform import Similarity, rotation, transform
-from anamorph.surfaces.shapes import BezierPatch, Plane, Sphere
+from anamorph.surfaces.bezier import BezierPatch
+from anamorph.surfaces.plane import Plane
+from anamorph.surfaces.similarity import Similarity, rotation
+from anamorph.surfaces.sphere import Sphere
 
 DOCUMENT = Path(__file__).resolve().parents[2] / "docs" / "scene-file.md"
 EYE = "[eye]\nposition = [0.3, 0.2, 5]\ntarget = [0, 0, 0]\n"
@@ -263,7 +265,7 @@ def test_a_moved_mesh_stays_on_its_moved_surface(angles: tuple[float, float, flo
             surface=surface,
             parameters=parameters,
         )
-        moved = transform(mesh, by)
+        moved = mesh.moved(by)
         assert moved.surface is not None
         assert np.allclose(moved.surface.position(parameters), moved.positions, atol=1e-4 * max(scale, 1.0))
         assert np.allclose(moved.surface.normal(parameters), moved.normals, atol=1e-4)

@@ -14,7 +14,10 @@ from anamorph.gallery.teapot import patches
 from anamorph.rays.caster import Caster
 from anamorph.scene.geometry import flatten
 from anamorph.scene.model import Diffuse, DirectionalLight, Glass, Mirror
-from anamorph.surfaces.shapes import BezierPatch, Plane, Sphere, Surface
+from anamorph.surfaces.base import Surface
+from anamorph.surfaces.bezier import BezierPatch
+from anamorph.surfaces.plane import Plane
+from anamorph.surfaces.sphere import Sphere
 
 NAMES = (
     *("car-mirror", "spheres", "room", "flat-mirror", "spectacles-minus", "spectacles-plus", "magnifier"),

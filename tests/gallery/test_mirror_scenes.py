@@ -19,8 +19,9 @@ from anamorph.scene.geometry import flatten
 from anamorph.scene.model import Mirror
 from anamorph.surfaces.intersection import intersect
 from anamorph.surfaces.nurbs import NurbsSurface
-from anamorph.surfaces.sag import Toroid
-from anamorph.surfaces.shapes import Plane, Sphere
+from anamorph.surfaces.plane import Plane
+from anamorph.surfaces.sphere import Sphere
+from anamorph.surfaces.toroid import Toroid
 
 NAMES = ("curvature-series", "saddle", "car-windows", "facing-mirrors", "torus")
 PICTURE = (160, 120)

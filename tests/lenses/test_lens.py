@@ -11,10 +11,11 @@ from hypothesis import strategies as st
 from light import through
 
 from anamorph.base.errors import AnamorphError
-from anamorph.lenses.lens import Prescription, edge_thickness, make_lens, worn_lens
-from anamorph.lenses.lens_mesh import Lens, disc, lens_between, rings_for, thickness
-from anamorph.lenses.prescription import round_surface
+from anamorph.lenses.lens import Lens, disc, lens_between, rings_for, thickness
+from anamorph.lenses.making import edge_thickness, make_lens, worn_lens
+from anamorph.lenses.prescription import Prescription
 from anamorph.scene.model import Glass
+from anamorph.surfaces.sphere import round_surface
 
 RIGHT, UP, OUTWARD = np.eye(3)
 ORIGIN = (0.0, 0.0, 0.0)

@@ -12,8 +12,9 @@ from light import snell, through
 
 from anamorph import gallery
 from anamorph.base.errors import AnamorphError
-from anamorph.lenses.lens import Lens, Prescription, make_lens
-from anamorph.lenses.lens_mesh import lens_between
+from anamorph.lenses.lens import Lens, lens_between
+from anamorph.lenses.making import make_lens
+from anamorph.lenses.prescription import Prescription
 from anamorph.methods.tracing.paths import PathTracer
 from anamorph.optics.dispersion import line_indices
 from anamorph.optics.refraction import refracted_colors, refracted_rays, refractor
@@ -22,8 +23,8 @@ from anamorph.rays.caster import Caster
 from anamorph.scene.camera import Camera
 from anamorph.scene.geometry import flatten
 from anamorph.scene.model import Diffuse, Glass, Mesh, Scene
-from anamorph.surfaces.sag import EvenAsphere
-from anamorph.surfaces.shapes import Plane
+from anamorph.surfaces.even_asphere import EvenAsphere
+from anamorph.surfaces.plane import Plane
 
 SIZE = (640, 480)
 OUTWARD = np.array([0.0, 0.0, -1.0])

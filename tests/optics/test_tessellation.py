@@ -14,15 +14,17 @@ from scenes import CAMERA, SIZE, drawn, flat_mirror, open_edges, scene_with, sph
 from anamorph.base.errors import AnamorphError
 from anamorph.gallery.spheres import mirror_ball
 from anamorph.gallery.teapot import teapot
-from anamorph.lenses.lens import Prescription, worn_lens
+from anamorph.lenses.making import worn_lens
+from anamorph.lenses.prescription import Prescription
 from anamorph.measure.errors import silhouettes
 from anamorph.optics import tessellation
 from anamorph.optics.tessellation import fine_enough, normal_error, normal_errors, refined_scene
 from anamorph.scene.camera import Camera
 from anamorph.scene.model import Diffuse, Glass, Mirror, Scene
 from anamorph.scene.subdivision import subdivided
-from anamorph.surfaces.sag import EvenAsphere, Toroid
-from anamorph.surfaces.shapes import BezierPatch
+from anamorph.surfaces.bezier import BezierPatch
+from anamorph.surfaces.even_asphere import EvenAsphere
+from anamorph.surfaces.toroid import Toroid
 
 AHEAD = Camera((0.0, 0.0, 2.0), (0.0, 0.0, 0.0), field_of_view=20.0)
 PIXEL = 2.0 * np.tan(np.radians(10.0)) / 600

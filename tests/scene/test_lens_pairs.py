@@ -11,7 +11,8 @@ from hypothesis import strategies as st
 from scenes import CAMERA, spherical_mirror
 
 from anamorph import gallery
-from anamorph.lenses.lens import Prescription, make_lens
+from anamorph.lenses.making import make_lens
+from anamorph.lenses.prescription import Prescription
 from anamorph.scene.lens_pairs import LensPair, SceneGlass, has_one_border, scene_glass
 from anamorph.scene.model import Diffuse, Glass, Mesh, Scene
 

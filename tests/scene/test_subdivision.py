@@ -16,9 +16,10 @@ from anamorph.gallery.spheres import mirror_ball
 from anamorph.gallery.teapot import teapot
 from anamorph.scene.model import Mesh, Mirror
 from anamorph.scene.normals import doubled_areas, has_area
-from anamorph.scene.subdivision import between, split, subdivided
-from anamorph.surfaces.sag import EvenAsphere, Toroid
-from anamorph.surfaces.shapes import Sphere
+from anamorph.scene.subdivision import split, subdivided
+from anamorph.surfaces.even_asphere import EvenAsphere
+from anamorph.surfaces.sphere import Sphere
+from anamorph.surfaces.toroid import Toroid
 
 TILTED = np.array([[0.8, 0.0, -0.6], [0.36, 0.8, 0.48], [0.48, -0.6, 0.64]])
 
@@ -200,7 +201,7 @@ def test_a_pole_leads_nowhere_where_its_neighbours_lie_across_a_seam():
     surface = sphere_surface()
     uv = np.array([[2.0, 2.0], [0.1, 1.5], [3.9, 1.5]])
     for order in ([0, 1, 2], [1, 2, 0], [2, 0, 1]):
-        middle = between(surface, uv[None, order], surface.position(uv)[None, order])[0]
+        middle = surface.between(uv[None, order], surface.position(uv)[None, order])[0]
         assert min(middle[0], 4.0 - middle[0]) < 1e-9 and middle[1] == pytest.approx(5.0 / 3.0)
 
 

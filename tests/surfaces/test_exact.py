@@ -6,8 +6,10 @@ import numpy as np
 import pytest
 
 from anamorph.base.errors import AnamorphError
+from anamorph.surfaces.bezier import BezierPatch
 from anamorph.surfaces.intersection import intersect, pack
-from anamorph.surfaces.shapes import BezierPatch, Plane, Sphere
+from anamorph.surfaces.plane import Plane
+from anamorph.surfaces.sphere import Sphere
 
 
 def rays_at(points, seed=0, spread=1.0):

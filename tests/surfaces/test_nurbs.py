@@ -14,11 +14,11 @@ from anamorph.rays.caster import Caster
 from anamorph.scene.camera import Camera
 from anamorph.scene.geometry import flatten
 from anamorph.scene.model import Mesh, Mirror, Scene
-from anamorph.scene.transform import Similarity, rotation, transform
 from anamorph.surfaces.intersection import intersect
 from anamorph.surfaces.nurbs import NurbsSurface
-from anamorph.surfaces.nurbs_pieces import pieces, point_and_tangents
-from anamorph.surfaces.shapes import Sphere
+from anamorph.surfaces.nurbs_pieces import point_and_tangents
+from anamorph.surfaces.similarity import Similarity, rotation
+from anamorph.surfaces.sphere import Sphere
 
 
 def bumpy(seed=0, degrees=(3, 4), spans=(3, 2)):
@@ -79,7 +79,7 @@ def test_many_points_at_once_are_those_one_by_one():
 
 @pytest.mark.parametrize("surface", [bumpy(), bumpy(1, (1, 5), (4, 1)), sphere_surface()])
 def test_the_compiled_pieces_are_the_surface(surface):
-    numbers = pieces(surface)
+    numbers = surface.numbers
     low, high = surface.domain
     random = np.random.default_rng(0)
     share = np.concatenate([random.uniform(size=(60, 2)), [[0, 0], [1, 1], [0.5, 0.25], [0, 1]]])
@@ -138,7 +138,7 @@ def test_a_moved_surface_is_the_surface_moved():
     by = Similarity(0.5, rotation((20.0, -40.0, 70.0)), np.array([1.0, 2.0, 3.0]))
     uv = np.random.default_rng(0).uniform(0.1, 1.9, (16, 2))
     mesh = cap(bumpy(), uv)
-    moved = transform(mesh, by).surface
+    moved = mesh.moved(by).surface
     np.testing.assert_allclose(moved.position(uv), by.points(mesh.surface.position(uv)), atol=1e-14)
     np.testing.assert_allclose(moved.normal(uv), mesh.surface.normal(uv) @ by.rotation.T, atol=1e-13)
     np.testing.assert_allclose(moved.curvatures(uv), 2.0 * mesh.surface.curvatures(uv), rtol=1e-9)

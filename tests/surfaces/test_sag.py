@@ -9,10 +9,11 @@ from hypothesis import strategies as st
 
 from anamorph.base.errors import AnamorphError
 from anamorph.scene.model import Mesh
-from anamorph.scene.transform import Similarity, rotation, transform
+from anamorph.surfaces.even_asphere import MOST_COEFFICIENTS, EvenAsphere
 from anamorph.surfaces.intersection import intersect, meet, pack
-from anamorph.surfaces.sag import MOST_COEFFICIENTS, EvenAsphere, Toroid
-from anamorph.surfaces.shapes import Sphere
+from anamorph.surfaces.similarity import Similarity, rotation
+from anamorph.surfaces.sphere import Sphere
+from anamorph.surfaces.toroid import Toroid
 
 TILTED = np.array([[0.8, 0.0, -0.6], [0.36, 0.8, 0.48], [0.48, -0.6, 0.64]])
 APEX = np.array([0.1, -0.2, 0.3])
@@ -148,7 +149,7 @@ def test_a_moved_surface_is_the_moved_points(surface, scale):
     uv = random_parameters(10)
     positions, normals = surface.position(uv), surface.normal(uv)
     mesh = Mesh("part", positions.astype(np.float32), np.array([[0, 1, 2]]), normals, surface=surface, parameters=uv)
-    moved = transform(mesh, by).surface
+    moved = mesh.moved(by).surface
     assert moved is not None
     np.testing.assert_allclose(moved.position(scale * uv), by.points(positions), atol=1e-12 * max(scale, 1.0))
     np.testing.assert_allclose(moved.normal(scale * uv), normals @ by.rotation.T, atol=1e-11)

@@ -7,7 +7,9 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
 from anamorph.base.errors import AnamorphError
-from anamorph.surfaces.shapes import BezierPatch, Plane, Sphere
+from anamorph.surfaces.bezier import BezierPatch
+from anamorph.surfaces.plane import Plane
+from anamorph.surfaces.sphere import Sphere
 
 coordinate = st.floats(-3.0, 3.0).map(lambda x: round(x, 3))
 unit_interval = st.one_of(st.sampled_from([0.0, 0.5, 1.0]), st.floats(0.0, 1.0))

@@ -12,7 +12,7 @@ from anamorph.base.errors import AnamorphError
 from anamorph.base.vectors import Vector
 from anamorph.cameras.grid import Size, checked_count, from_grid
 from anamorph.raymesh import RayMesh
-from anamorph.surfaces.shapes import Sphere
+from anamorph.surfaces.sphere import Sphere
 
 
 def inward_sphere(

@@ -16,8 +16,10 @@ from anamorph.editing.bending import COMFORTABLE, LEAST_FACING, LEAST_TRIANGLES,
 from anamorph.scene.model import Mesh, Mirror
 from anamorph.scene.pose import WORLD_UP, Pose, box_middle, mean_normal, upright_axes
 from anamorph.scene.subdivision import subdivided
-from anamorph.surfaces.nurbs import NurbsSurface, basis
-from anamorph.surfaces.shapes import BezierPatch, Surface
+from anamorph.surfaces.base import Surface
+from anamorph.surfaces.bezier import BezierPatch
+from anamorph.surfaces.bsplines import basis
+from anamorph.surfaces.nurbs import NurbsSurface
 
 CLAMPED = np.repeat([0.0, 1.0], 4)
 """The knots of a Bezier patch."""

@@ -7,13 +7,16 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from anamorph.base.errors import AnamorphError
-from anamorph.lenses.lens_mesh import LensSurface, drop
-from anamorph.lenses.prescription import round_surface
+from anamorph.lenses.lens import drop
 from anamorph.scene.model import Mesh, Mirror
 from anamorph.scene.pose import WORLD_UP, box_middle, mean_normal, upright_axes
-from anamorph.scene.subdivision import subdivided, turned_normals
-from anamorph.surfaces.sag import EvenAsphere, Toroid
-from anamorph.surfaces.shapes import Plane, Sphere, Surface
+from anamorph.scene.subdivision import subdivided
+from anamorph.surfaces.base import Surface
+from anamorph.surfaces.even_asphere import EvenAsphere
+from anamorph.surfaces.plane import Plane
+from anamorph.surfaces.sag import SagSurface
+from anamorph.surfaces.similarity import Similarity
+from anamorph.surfaces.sphere import Sphere, round_surface
 
 COMFORTABLE = 0.5
 """A control bends a mirror until its slope at the outline is that of a sphere whose radius is twice the reach."""
@@ -52,9 +55,9 @@ def bend_of(mesh: Mesh) -> Bend | None:
     curvatures = own_curvatures(mesh.surface)
     if not isinstance(mesh.material, Mirror) or mesh.parameters is None or not curvatures:
         return None
-    side = facing(mesh)
+    side = mesh.side
     signed = tuple(side * curvature for curvature in curvatures)
-    if isinstance(mesh.surface, Toroid | EvenAsphere):
+    if isinstance(mesh.surface, SagSurface):
         reach = float(np.linalg.norm(mesh.parameters, axis=1).max())
         if isinstance(mesh.surface, EvenAsphere):
             reach *= np.sqrt(max(1.0 + mesh.surface.conic, 1.0))
@@ -119,25 +122,17 @@ def own_curvatures(surface: Surface | None) -> tuple[float, ...]:
             return (0.0,)
         case Sphere(radius=radius):
             return (1.0 / radius,)
-        case Toroid(base_curvature=base, cross_curvature=cross):
-            return (base, cross)
-        case EvenAsphere(curvature=curvature):
-            return (curvature,)
+        case SagSurface():
+            return surface.apex_curvatures
     return ()
 
 
-def recurved(surface: Toroid | EvenAsphere, curvatures: tuple[float, ...], point: np.ndarray) -> Toroid | EvenAsphere:
-    """A toroid or an asphere with other `own_curvatures`, that goes through the same point below `point` (3,)."""
+def recurved(surface: SagSurface, curvatures: tuple[float, ...], point: np.ndarray) -> SagSurface:
+    """The surface with other `own_curvatures`, that goes through the same point below `point` (3,)."""
     at = surface.parameters(point[None])
-    other = _with_curvatures(surface, curvatures)
+    other = surface.with_apex_curvatures(curvatures)
     higher = other.sag(at)[0] - surface.sag(at)[0]
-    return replace(other, apex=surface.apex + higher * np.asarray(surface.axes, float)[2])
-
-
-def facing(mesh: Mesh) -> float:
-    """1 where the exact surface's own normals point out of the mesh, -1 where they point into it."""
-    assert mesh.surface is not None and mesh.parameters is not None
-    return 1.0 if np.sum(mesh.surface.normal(mesh.parameters) * mesh.normals) > 0.0 else -1.0
+    return other.moved(Similarity.shift(higher * np.asarray(surface.axes, float)[2]))
 
 
 def rise(before: np.ndarray, after: np.ndarray) -> float:
@@ -153,7 +148,7 @@ def on_surface(mesh: Mesh, surface: Surface, parameters: np.ndarray, toward: np.
     return replace(
         mesh,
         positions=surface.position(parameters).astype(np.float32),
-        normals=turned_normals(surface, parameters, toward[None]).astype(np.float32),
+        normals=surface.normals_toward(parameters, toward[None]).astype(np.float32),
         surface=surface,
         parameters=parameters,
     )
@@ -166,7 +161,7 @@ def _middle(mesh: Mesh) -> tuple[np.ndarray, np.ndarray] | None:
         return None
     center = box_middle((mesh,), upright_axes(outward, WORLD_UP))
     at = drop(mesh.surface, center[None], outward)
-    normal = turned_normals(mesh.surface, at, outward[None])[0]
+    normal = mesh.surface.normals_toward(at, outward[None])[0]
     if (np.asarray(mesh.normals, float) @ normal).min() < LEAST_FACING:
         return None
     return mesh.surface.position(at)[0], upright_axes(normal, WORLD_UP)
@@ -197,33 +192,27 @@ def _rounded(mesh: Mesh, curvature: float) -> Mesh:
     assert mesh.surface is not None and mesh.parameters is not None
     before = (mesh.surface.position(mesh.parameters) - apex) @ axes[2]
     apex = apex + rise(before, -sag) * axes[2]
-    surface: LensSurface = round_surface(apex, axes, curvature)
+    surface: Surface = round_surface(apex, axes, curvature)
     points = apex + np.column_stack([across, -sag]) @ axes
     return on_surface(mesh, surface, surface.parameters(points), axes[2])
 
 
 def _sagged(mesh: Mesh, curvatures: tuple[float, ...]) -> Mesh:
-    """A mesh of a toroid or an asphere with other curvatures."""
+    """A mesh of a toroid, an asphere or the like with other curvatures."""
     surface, parameters = mesh.surface, mesh.parameters
-    assert isinstance(surface, Toroid | EvenAsphere) and parameters is not None
-    side = facing(mesh)
-    other = _with_curvatures(surface, tuple(side * curvature for curvature in curvatures))
+    assert isinstance(surface, SagSurface) and parameters is not None
+    side = mesh.side
+    other = surface.with_apex_curvatures(tuple(side * curvature for curvature in curvatures))
     outward = side * np.asarray(surface.axes, float)[2]
     before, after = (-side * each.sag(parameters)[0] for each in (surface, other))
-    apex = surface.apex + rise(before, after) * outward
-    return on_surface(mesh, replace(other, apex=apex), parameters, outward)
-
-
-def _with_curvatures(surface: Toroid | EvenAsphere, curvatures: tuple[float, ...]) -> Toroid | EvenAsphere:
-    if isinstance(surface, Toroid):
-        return replace(surface, base_curvature=curvatures[0], cross_curvature=curvatures[1])
-    return replace(surface, curvature=curvatures[0])
+    lifted = other.moved(Similarity.shift(rise(before, after) * outward))
+    return on_surface(mesh, lifted, parameters, outward)
 
 
 def _swollen(mesh: Mesh, curvature: float) -> Mesh:
     """A ball of another radius about the same centre, or a piece of one that looks more than half around."""
     assert isinstance(mesh.surface, Sphere) and mesh.parameters is not None
-    side = facing(mesh)
+    side = mesh.side
     if curvature * side <= 0.0:
         raise AnamorphError(f"it is a ball; give a {'positive' if side > 0.0 else 'negative'} number")
     surface = replace(mesh.surface, radius=1.0 / abs(curvature))

@@ -18,7 +18,7 @@ from anamorph.editing.grinding import ground
 from anamorph.scene.lens_pairs import LensPair, lens_pairs
 from anamorph.scene.model import Glass, Mesh, Mirror
 from anamorph.scene.pose import WORLD_UP, Pose, box_middle, mean_normal, upright_axes
-from anamorph.scene.transform import Similarity, rotation, transform
+from anamorph.surfaces.similarity import Similarity, rotation
 
 INDICES = (0.1, 10.0)
 """The least and the greatest refractive index."""
@@ -81,7 +81,7 @@ def edit(meshes: tuple[Mesh, ...], by: Edit) -> tuple[Mesh, ...]:
     local = rotation((0.0, swivel, 0.0)) @ rotation((-tilt, 0.0, 0.0)) @ rotation((0.0, 0.0, roll))
     turn = frame.axes.T @ local @ frame.axes if turned else np.eye(3)
     motion = Similarity(1.0, turn, frame.center - turn @ frame.center + np.asarray(by.move) @ frame.axes)
-    return tuple(transform(mesh, motion) for mesh in shaped)
+    return tuple(mesh.moved(motion) for mesh in shaped)
 
 
 def part_pose(meshes: Sequence[Mesh], lens: LensPair | None) -> Pose:

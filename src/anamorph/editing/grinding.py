@@ -13,15 +13,15 @@ import numpy as np
 from scipy.spatial import KDTree
 
 from anamorph.base.errors import AnamorphError
-from anamorph.editing.bending import STEEPEST, facing, on_surface, own_curvatures, recurved
-from anamorph.lenses.lens_mesh import LensSurface, drop
-from anamorph.lenses.prescription import round_surface
+from anamorph.editing.bending import STEEPEST, on_surface, own_curvatures, recurved
+from anamorph.lenses.lens import drop
 from anamorph.scene.model import Glass, Mesh
 from anamorph.scene.pose import WORLD_UP, box_middle, mean_normal, upright_axes
-from anamorph.scene.subdivision import turned_normals
-from anamorph.scene.transform import Similarity, transform
-from anamorph.surfaces.sag import EvenAsphere, Toroid
-from anamorph.surfaces.shapes import Plane, Sphere
+from anamorph.surfaces.base import Surface
+from anamorph.surfaces.plane import Plane
+from anamorph.surfaces.sag import SagSurface
+from anamorph.surfaces.similarity import Similarity
+from anamorph.surfaces.sphere import Sphere, round_surface
 
 LEAST_EDGE = 5e-4
 """Metres: a lens that has as much at its edge keeps it."""
@@ -47,7 +47,7 @@ MOST_FOCUSED = 0.95
 LEAST_BENDING = 1e-3
 """How far an index must be from that of air for its glass to have a power."""
 
-Grindable = Plane | Sphere | Toroid | EvenAsphere
+Grindable = Plane | Sphere | SagSurface
 
 
 @dataclass(frozen=True, eq=False)
@@ -92,21 +92,21 @@ def optics_of(front: Mesh, back: Mesh) -> Optics | None:
         return None
     middle = box_middle((front,), upright_axes(outward, WORLD_UP))
     at = drop(front.surface, middle[None], outward)
-    apex, axis = front.surface.position(at)[0], turned_normals(front.surface, at, outward[None])[0]
+    apex, axis = front.surface.position(at)[0], front.surface.normals_toward(at, outward[None])[0]
     # From a vertex near the axis, where no other side of the back's sphere is nearer.
     heights = (np.asarray(back.positions, float) - apex) @ axis
     aside = np.linalg.norm(back.positions - apex - np.outer(heights, axis), axis=1)
     below = drop(back.surface, (apex + heights[aside.argmin()] * axis)[None], axis)
     if not (_centred(front.surface, at) and _centred(back.surface, below)):
         return None
-    vertex, behind = back.surface.position(below)[0], turned_normals(back.surface, below, -axis[None])[0]
+    vertex, behind = back.surface.position(below)[0], back.surface.normals_toward(below, -axis[None])[0]
     optics = Optics(
         axes=upright_axes(axis, WORLD_UP),
         vertex=vertex,
         behind=behind,
         thickness=float((apex - vertex) @ axis),
-        front=tuple(facing(front) * curvature for curvature in own_curvatures(front.surface)),
-        back=tuple(facing(back) * curvature for curvature in own_curvatures(back.surface)),
+        front=tuple(front.side * curvature for curvature in own_curvatures(front.surface)),
+        back=tuple(back.side * curvature for curvature in own_curvatures(back.surface)),
         index=front.material.index,
     )
     # Where the front focuses light inside the glass, no back has a power.
@@ -218,11 +218,11 @@ def _faces(front: Mesh, back: Mesh, optics: Optics, power: float, index: float) 
         thickness = thicker
     if not least > 0.0:
         raise AnamorphError("its faces cross; give a weaker one")
-    moved = transform(front, Similarity(1.0, np.eye(3), away * axis)) if away > 0.0 else front
+    moved = front.moved(Similarity.shift(away * axis)) if away > 0.0 else front
     return moved, on_surface(back, surface, parameters, -axis)
 
 
-def _back(back: Mesh, optics: Optics, curvatures: tuple[float, ...], turn: np.ndarray, reach: float) -> LensSurface:
+def _back(back: Mesh, optics: Optics, curvatures: tuple[float, ...], turn: np.ndarray, reach: float) -> Surface:
     """The back's surface with other curvatures, turned about its vertex by a matrix (3, 3)."""
     steepest = max(map(abs, curvatures))
     if steepest * reach > STEEPEST:
@@ -232,14 +232,10 @@ def _back(back: Mesh, optics: Optics, curvatures: tuple[float, ...], turn: np.nd
         )
     if isinstance(back.surface, Plane | Sphere):
         return round_surface(optics.vertex, upright_axes(turn @ optics.behind, WORLD_UP), curvatures[0])
-    assert isinstance(back.surface, Toroid | EvenAsphere)
-    side = facing(back)
+    assert isinstance(back.surface, SagSurface)
+    side = back.side
     other = recurved(back.surface, tuple(side * curvature for curvature in curvatures), optics.vertex)
-    return replace(
-        other,
-        apex=optics.vertex + turn @ (other.apex - optics.vertex),
-        axes=np.asarray(other.axes, float) @ turn.T,
-    )
+    return other.moved(Similarity.turn_about(optics.vertex, turn))
 
 
 def _back_curvatures(optics: Optics, power: float, index: float, thickness: float) -> tuple[float, ...]:

@@ -8,7 +8,7 @@ from anamorph.base.errors import AnamorphError
 from anamorph.base.vectors import Vector
 from anamorph.scene.camera import Camera
 from anamorph.scene.model import Diffuse, Mesh, Mirror, Scene, Texture
-from anamorph.surfaces.shapes import Sphere
+from anamorph.surfaces.sphere import Sphere
 
 # All lengths are in units of the radius of the model's bounding sphere, so that any unit of length will do.
 MODEL_DISTANCE = 2.6

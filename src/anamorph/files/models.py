@@ -26,7 +26,7 @@ from anamorph.files.reading import Folder, as_utf8, read
 from anamorph.scene.checks import check_triangles
 from anamorph.scene.model import Mesh, Texture
 from anamorph.scene.normals import creased, has_area, repaired
-from anamorph.scene.transform import Similarity, transform
+from anamorph.surfaces.similarity import Similarity
 
 UNNAMED = re.compile(r"^geometry(_\d+)?$")
 """What trimesh calls a mesh that has no name."""
@@ -77,7 +77,7 @@ def load_parts(
         raise AnamorphError(f"{path}: scale is {scale}; give a positive number of metres for one unit")
     if suffix in cad.SUFFIXES:
         by = Similarity(scale, np.eye(3), np.zeros(3))
-        return uniquely_named(Part(transform(mesh, by)) for mesh in cad.load_cad(path, choice))
+        return uniquely_named(Part(mesh.moved(by)) for mesh in cad.load_cad(path, choice))
     if choice is not None:
         raise AnamorphError(f"{path}: faces and density are for CAD files ({', '.join(cad.SUFFIXES)}); leave them out")
     data = read(path, "model file")

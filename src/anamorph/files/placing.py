@@ -11,7 +11,7 @@ from anamorph.files.cad import CadFace, meshes_of
 from anamorph.files.models import Part, uniquely_named
 from anamorph.scene.model import Mirror, Scene
 from anamorph.scene.pose import WORLD_UP, bounding_pose
-from anamorph.scene.transform import Similarity, transform
+from anamorph.surfaces.similarity import Similarity
 
 POSE_DENSITY = 48
 DRAWING_UP = np.array([0.0, 0.0, 1.0])
@@ -38,7 +38,7 @@ def replace_mirror(scene: Scene, faces: tuple[CadFace, ...], density: int, where
     there = bounding_pose((old,), WORLD_UP, f"scene '{scene.name}'")
     rotation = there.axes.T @ here.axes
     by = Similarity(1.0, rotation, there.center - rotation @ here.center)
-    moved = [transform(mesh, by) for mesh in meshes_of(faces, density, where, old.material)]
+    moved = [mesh.moved(by) for mesh in meshes_of(faces, density, where, old.material)]
     parts = [*scene.meshes[:number], *moved, *scene.meshes[number + 1 :]]
     return replace(scene, meshes=tuple(part.mesh for part in uniquely_named(map(Part, parts))))
 

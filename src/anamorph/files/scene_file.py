@@ -33,7 +33,7 @@ from anamorph.scene.model import (
     Sky,
 )
 from anamorph.scene.parts import part_names
-from anamorph.scene.transform import Similarity, rotation, transform
+from anamorph.surfaces.similarity import Similarity, rotation
 
 TRANSFORM = ("scale", "rotate", "translate")
 EDIT = tuple(field.name for field in fields(Edit))
@@ -144,7 +144,7 @@ def _model(table: Table) -> list[Part]:
     by, material = _similarity(table), _material(table)
 
     def placed(mesh: Mesh) -> Mesh:
-        return replace(transform(mesh, by), material=material or mesh.material)
+        return replace(mesh.moved(by), material=material or mesh.material)
 
     return [replace(part, mesh=placed(part.mesh)) for part in load_parts(table.file("file"), choice=choice_of(table))]
 
@@ -172,7 +172,7 @@ def _changed(parts: list[Part], table: Table) -> list[Part]:
     by, material, name = _similarity(table), _material(table), table.text("rename")
 
     def changed(part: Part) -> Part:
-        mesh = transform(part.mesh, by) if any(key in table.values for key in TRANSFORM) else part.mesh
+        mesh = part.mesh.moved(by) if any(key in table.values for key in TRANSFORM) else part.mesh
         mesh = replace(mesh, material=material or mesh.material, name=name or mesh.name)
         return replace(part, mesh=mesh)
 

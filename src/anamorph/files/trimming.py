@@ -13,7 +13,8 @@ from itertools import pairwise
 import numpy as np
 from scipy.spatial import Delaunay, KDTree
 
-from anamorph.surfaces.nurbs import NurbsSurface, basis
+from anamorph.surfaces.bsplines import basis
+from anamorph.surfaces.nurbs import NurbsSurface
 
 BOW = 0.01
 """How far a trim curve may leave the straight line between two of its points, in cells."""

@@ -15,7 +15,7 @@ from anamorph.gallery.shapes import Shape, lattice, loft
 from anamorph.gallery.town import car_shade, cars, ground, houses, lamps, trees
 from anamorph.scene.camera import Camera
 from anamorph.scene.model import AmbientLight, Diffuse, DirectionalLight, Mesh, Mirror, Scene, Sky
-from anamorph.surfaces.shapes import Sphere
+from anamorph.surfaces.sphere import Sphere
 
 RADIUS = 1.4
 GLASS_SIZE = (0.19, 0.13)

@@ -19,7 +19,7 @@ from anamorph.gallery.car_mirror import LIGHTS, PLASTIC, SKY, car_mirror, foot, 
 from anamorph.gallery.shapes import join, lattice
 from anamorph.gallery.town import car_shade
 from anamorph.scene.model import Color, Diffuse, Mesh, Mirror, Scene
-from anamorph.surfaces.sag import Toroid
+from anamorph.surfaces.toroid import Toroid
 
 REARWARD: Vector = (-0.50, -0.02, 1.0)
 ONCOMING: tuple[tuple[str, float, float, Color], ...] = (

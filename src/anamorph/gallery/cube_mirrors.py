@@ -14,7 +14,7 @@ from anamorph.gallery.cube import LIGHTS, cube_and_board
 from anamorph.gallery.shapes import lattice
 from anamorph.scene.camera import Camera
 from anamorph.scene.model import Mesh, Mirror, Scene, Sky
-from anamorph.surfaces.shapes import Sphere
+from anamorph.surfaces.sphere import Sphere
 
 QUADS = 5
 MARGIN = 1.01

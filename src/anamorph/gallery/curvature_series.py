@@ -31,7 +31,8 @@ from anamorph.scene.model import (
     Scene,
     Texture,
 )
-from anamorph.surfaces.shapes import Plane, Sphere
+from anamorph.surfaces.plane import Plane
+from anamorph.surfaces.sphere import Sphere
 
 RADII = (0.5, 1.0, 2.0, 6.0, np.inf, -6.0, -2.0, -1.0, -0.5)
 """Metres, positive convex, in reading order."""

@@ -15,7 +15,7 @@ from anamorph.gallery.textures import Rgb, mottled, texture
 from anamorph.scene.camera import Camera
 from anamorph.scene.geometry import Geometry, flatten
 from anamorph.scene.model import AmbientLight, Diffuse, DirectionalLight, Mesh, Mirror, Scene, Sky, Texture
-from anamorph.surfaces.shapes import Sphere
+from anamorph.surfaces.sphere import Sphere
 
 SEA = (246, 420)
 """Rings and sectors of the sea's grid."""

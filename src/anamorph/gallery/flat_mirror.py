@@ -13,7 +13,7 @@ from anamorph.gallery.shapes import Rectangle, Shape, box, grid, lattice, loft
 from anamorph.gallery.textures import checkerboard, mottled, texture
 from anamorph.scene.camera import Camera
 from anamorph.scene.model import AmbientLight, Color, Diffuse, DirectionalLight, Mesh, Mirror, Scene, Sky
-from anamorph.surfaces.shapes import Plane
+from anamorph.surfaces.plane import Plane
 
 BOXES: tuple[tuple[tuple[float, float, float], tuple[float, float, float], float, Color], ...] = (
     ((-0.75, 0.0, 1.5), (0.30, 0.55, 0.30), 20.0, (0.70, 0.10, 0.08)),

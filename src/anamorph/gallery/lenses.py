@@ -14,11 +14,12 @@ from anamorph.gallery import room
 from anamorph.gallery.car_mirror import LIGHTS, SKY
 from anamorph.gallery.shapes import Shape, cylinder, join, lathe
 from anamorph.gallery.town import town
-from anamorph.lenses.lens import Lens, Prescription, lens_axes, worn_lens
-from anamorph.lenses.lens_mesh import lens_between
+from anamorph.lenses.lens import Lens, lens_between
+from anamorph.lenses.making import lens_axes, worn_lens
+from anamorph.lenses.prescription import Prescription
 from anamorph.scene.camera import Camera
 from anamorph.scene.model import AmbientLight, Diffuse, Glass, PointLight, Scene
-from anamorph.surfaces.sag import EvenAsphere
+from anamorph.surfaces.even_asphere import EvenAsphere
 
 EYE = (-0.25, 1.42, 0.30)
 GAZE = (0.06, -0.03, -1.0)

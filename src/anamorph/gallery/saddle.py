@@ -16,7 +16,7 @@ from anamorph.gallery.mounts import bezel, turned_axes
 from anamorph.gallery.shapes import cylinder, join, lathe, lattice
 from anamorph.scene.camera import Camera
 from anamorph.scene.model import Color, Diffuse, Mesh, Mirror, Scene
-from anamorph.surfaces.sag import Toroid
+from anamorph.surfaces.toroid import Toroid
 
 SIZE = (1.3, 1.3)
 VERTICES = 11

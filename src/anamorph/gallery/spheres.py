@@ -9,7 +9,7 @@ from anamorph.gallery.shapes import Shape, globe, grid, icosphere
 from anamorph.gallery.textures import checkerboard
 from anamorph.scene.camera import Camera
 from anamorph.scene.model import AmbientLight, Color, Diffuse, DirectionalLight, Mesh, Mirror, Scene, Sky
-from anamorph.surfaces.shapes import Sphere
+from anamorph.surfaces.sphere import Sphere
 
 BALLS: tuple[tuple[tuple[float, float, float], float, Color], ...] = (
     ((-1.25, 0.32, 0.95), 0.32, (0.70, 0.08, 0.06)),

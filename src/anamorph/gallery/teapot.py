@@ -10,7 +10,7 @@ import numpy as np
 
 from anamorph.gallery.shapes import lattice
 from anamorph.scene.model import Material, Mesh
-from anamorph.surfaces.shapes import BezierPatch
+from anamorph.surfaces.bezier import BezierPatch
 
 HEIGHT = 3.15
 

@@ -1,135 +1,165 @@
-"""Lenses from prescriptions."""
+"""A lens between two exact surfaces, as three meshes that close: front, back, and the edge around them."""
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass
 
 import numpy as np
 
 from anamorph.base.errors import AnamorphError
-from anamorph.base.vectors import Vector
-from anamorph.lenses.lens_mesh import Lens, lens_between, thickness
-from anamorph.lenses.prescription import Prescription
-from anamorph.scene.model import WHITE, Color, Glass
+from anamorph.scene.model import Color, Diffuse, Glass, Mesh
+from anamorph.surfaces.base import Surface
 
-__all__ = ["Lens", "Prescription", "edge_thickness", "make_lens", "worn_lens"]
-
-LEAST_EDGE = 0.5
-"""Edge thickness, millimetres, that a remedy aims at."""
-
-STEEPEST = 0.95
-"""How far out the edge may lie, as a share of a face's radius: further out the face runs along the axis."""
+EDGE: Color = (0.14, 0.15, 0.15)
 
 
-def lens_axes(outward: Vector, up: Vector = (0.0, 1.0, 0.0)) -> np.ndarray:
-    """Rows right, up and outward, (3, 3) float64, as seen by who faces the wearer."""
-    forward = np.asarray(outward, float)
-    right = np.cross(up, forward)
-    if not np.linalg.norm(right) > 1e-9 * np.linalg.norm(up) * np.linalg.norm(forward):
-        raise AnamorphError(f"lens: outward {outward} and up {up} are one direction or none; give two that differ")
-    forward, right = forward / np.linalg.norm(forward), right / np.linalg.norm(right)
-    return np.stack([right, np.cross(forward, right), forward])
-
-
-def make_lens(
-    prescription: Prescription,
-    back_vertex: Vector,
-    outward: Vector,
-    up: Vector = (0.0, 1.0, 0.0),
-    name: str = "lens",
-    vertices: int = 547,
-    tint: Color = WHITE,
-) -> Lens:
-    """The lens that `prescription` describes.
+@dataclass(frozen=True, eq=False)
+class Lens:
+    """A lens, as meshes for a scene.
 
     Parameters
     ----------
-    prescription : Prescription
-    back_vertex : three floats
-        Where the axis meets the face toward the wearer, metres.
-    outward : three floats
-        From the wearer to what is looked at; of any length.
-    up : three floats
-        Toward the 90 degrees of the prescription; need not be perpendicular to `outward`.
+    front, back : Mesh
+        Glass, called NAME/front and NAME/back: the faces to which the axis points, and from which it comes. Their
+        exact surfaces are in them.
+    edge : Mesh
+        The matt band between the two, called NAME/edge.
+    """
+
+    front: Mesh
+    back: Mesh
+    edge: Mesh
+
+    @property
+    def meshes(self) -> tuple[Mesh, Mesh, Mesh]:
+        """What to put into a scene."""
+        return self.front, self.back, self.edge
+
+
+def disc(rings: int) -> tuple[np.ndarray, np.ndarray]:
+    """A unit disc of `rings` rings around its middle: points (1 + 3 rings (rings + 1), 2), faces (6 rings^2, 3).
+
+    Ring k has 6 k points, so that all triangles are about alike; the last 6 `rings` points are the border, in order.
+    """
+    points, faces = [np.zeros((1, 2))], []
+    inner, outer = 0, 1
+    for ring in range(1, rings + 1):
+        count, within = 6 * ring, max(6 * (ring - 1), 1)
+        angle = np.arange(count) * 2.0 * np.pi / count
+        points.append(ring / rings * np.stack([np.cos(angle), np.sin(angle)], axis=-1))
+        sector, step = np.divmod(np.arange(count), ring)
+        near = sector * (ring - 1) + step
+        a, b = near % within + inner, (near + 1) % within + inner
+        c, d = np.arange(count) + outer, (np.arange(count) + 1) % count + outer
+        between = step < ring - 1
+        faces += [np.stack([a, c, d], axis=-1), np.stack([a, d, b], axis=-1)[between]]
+        inner, outer = outer, outer + count
+    return np.concatenate(points), np.concatenate(faces)
+
+
+def rings_for(vertices: int) -> int:
+    """How many rings of a `disc` give about so many vertices."""
+    return max(1, round((np.sqrt(1.0 + 4.0 * (vertices - 1) / 3.0) - 1.0) / 2.0))
+
+
+def drop(surface: Surface, points: np.ndarray, axis: np.ndarray) -> np.ndarray:
+    """The parameters, (N, 2), of the points of `surface` on the lines along `axis` through `points` (N, 3)."""
+    points = np.asarray(points, float)
+    exact = 8.0 * np.finfo(float).eps * np.abs(points).max(initial=0.0)
+    for _ in range(12):
+        # Newton's iteration: onto the plane that touches the surface nearby.
+        parameters = surface.parameters(points)
+        normal = surface.normal(parameters)
+        height = np.sum((surface.position(parameters) - points) * normal, axis=1) / (normal @ axis)
+        points = points + height[:, None] * axis
+        if np.abs(height).max(initial=0.0) <= exact:
+            break
+    return surface.parameters(points)
+
+
+def thickness(front: Surface, back: Surface, middle: np.ndarray, axes: np.ndarray, plane: np.ndarray) -> np.ndarray:
+    """How thick a lens is along its axis, (N,) metres, at points `plane` (N, 2) across it."""
+    right, up, outward = axes
+    points = middle + plane[:, :1] * right + plane[:, 1:] * up
+    ends = [surface.position(drop(surface, points, outward)) for surface in (front, back)]
+    return (ends[0] - ends[1]) @ outward
+
+
+def lens_between(
+    front: Surface,
+    back: Surface,
+    middle: np.ndarray,
+    axes: np.ndarray,
+    radius: float,
+    glass: Glass,
+    name: str = "lens",
+    vertices: int = 547,
+) -> Lens:
+    """A round lens between any two surfaces.
+
+    Parameters
+    ----------
+    front, back : Surface
+        Where the axis leaves the lens and where it enters; which way their own normals point does not matter.
+    middle : (3,) array
+        A point of the axis, near the lens.
+    axes : (3, 3) array
+        Rows: the unit vectors right, up and outward, right-handed and perpendicular; outward is the axis.
+    radius : float
+        From the axis to the edge, metres.
+    glass : Glass
     name : str
     vertices : int
-        About how many each face gets.
-    tint : three floats
-        Linear colour of the light that a crossing lets through.
+        About how many each face gets: 3 k (k + 1) + 1 for the nearest whole k.
 
     Returns
     -------
     Lens
-        Its glass has the index and the Abbe number of the prescription.
-
-    Raises
-    ------
-    AnamorphError
-        No such lens can be made.
+        Its edge lies on the cylinder about the axis; each face has its own vertices there.
     """
-    axes = lens_axes(outward, up)
-    least = edge_thickness(prescription)
-    if least <= 0.0:
+    axes, middle = np.asarray(axes, float), np.asarray(middle, float)
+    right, up, outward = axes
+    plane, faces = disc(rings_for(vertices))
+    plane = radius * plane
+    points = middle + plane[:, :1] * right + plane[:, 1:] * up
+    sides, parameters = (front, back), [drop(surface, points, outward) for surface in (front, back)]
+    thick = (front.position(parameters[0]) - back.position(parameters[1])) @ outward
+    if thick.min() <= 0.0:
+        x, y = 1e3 * plane[thick.argmin()]
         raise AnamorphError(
-            f"prescription: edge thickness is {least:.2f} mm; "
-            f"give a centre_thickness of at least {_enough(prescription):.1f} mm, or a smaller diameter"
+            f"lens '{name}': its faces cross {np.hypot(x, y):.1f} mm from its axis; make it thicker or smaller"
         )
-    front, back = prescription.surfaces(np.asarray(back_vertex, float), axes)
-    glass = Glass(prescription.index, tint, prescription.abbe)
-    radius = 5e-4 * prescription.diameter
-    return lens_between(front, back, np.asarray(back_vertex, float), axes, radius, glass, name, vertices)
-
-
-def worn_lens(
-    prescription: Prescription,
-    eye: Vector,
-    gaze: Vector,
-    up: Vector = (0.0, 1.0, 0.0),
-    name: str = "lens",
-    vertices: int = 547,
-    tint: Color = WHITE,
-) -> Lens:
-    """The lens before an `eye` (metres) that looks along `gaze`, at the prescription's vertex distance."""
-    direction = np.asarray(gaze, float) / np.linalg.norm(gaze)
-    x, y, z = np.asarray(eye, float) + 1e-3 * prescription.vertex_distance * direction
-    return make_lens(prescription, (float(x), float(y), float(z)), gaze, up, name, vertices, tint)
-
-
-def edge_thickness(prescription: Prescription) -> float:
-    """The least thickness around the edge, millimetres; negative where the faces cross."""
-    _check_radii(prescription)
-    angle = np.arange(180) * 2.0 * np.pi / 180
-    rim = 5e-4 * prescription.diameter * np.stack([np.cos(angle), np.sin(angle)], axis=-1)
-    axes = np.eye(3)
-    front, back = prescription.surfaces(np.zeros(3), axes)
-    return 1e3 * float(thickness(front, back, np.zeros(3), axes, rim).min())
-
-
-def _check_radii(prescription: Prescription) -> None:
-    """Both faces must reach the edge."""
-    per_power = 1e-3 / (prescription.index - 1.0)
-    back = (prescription.back_power(prescription.sphere + more) for more in (0.0, prescription.cylinder))
-    faces = (
-        ("front", abs(prescription.front_power), 0.0),
-        ("back", max(map(abs, back)), np.sin(prescription.back_tilt)),
-    )
-    for side, power, aside in faces:
-        curvature = power * per_power
-        # A tilted face's centre stands aside, by this share of its radius.
-        if curvature * prescription.diameter / 2.0 > STEEPEST - aside:
-            raise AnamorphError(
-                f"prescription: the {side} surface needs a radius of {1.0 / curvature:.1f} mm, too small for the "
-                f"diameter; give a diameter of at most {2.0 * max(STEEPEST - aside, 0.0) / curvature:.1f} mm, "
-                "another base_curve or a higher index"
+    meshes = []
+    for surface, uv, sign, side in zip(sides, parameters, (1.0, -1.0), ("front", "back"), strict=True):
+        normals = surface.normal(uv)
+        normals *= sign * np.sign(normals @ outward)[:, None]
+        meshes.append(
+            Mesh(
+                name=f"{name}/{side}",
+                positions=surface.position(uv).astype(np.float32),
+                faces=(faces if sign > 0.0 else faces[:, ::-1]).astype(np.int32),
+                normals=normals.astype(np.float32),
+                material=glass,
+                surface=surface,
+                parameters=uv,
             )
+        )
+    border = slice(-6 * rings_for(vertices), None)
+    return Lens(meshes[0], meshes[1], _edge(name, meshes[0].positions[border], meshes[1].positions[border], outward))
 
 
-def _enough(prescription: Prescription) -> float:
-    """A centre thickness, in tenths of millimetres, that leaves the edge some glass."""
-    thick = prescription.centre_thickness
-    for _ in range(20):
-        missing = LEAST_EDGE - edge_thickness(replace(prescription, centre_thickness=thick))
-        if missing <= 0.0:
-            break
-        thick = np.ceil(10.0 * (thick + 1.02 * missing)) / 10.0
-    return float(thick)
+def _edge(name: str, front: np.ndarray, back: np.ndarray, outward: np.ndarray) -> Mesh:
+    """The band between two borders (N, 3), which run counter-clockwise about `outward`."""
+    count = len(front)
+    one, next_one = np.arange(count), (np.arange(count) + 1) % count
+    faces = [np.stack([one + count, next_one + count, next_one], axis=-1), np.stack([one + count, next_one, one], -1)]
+    away = front - front.mean(axis=0, dtype=float)
+    away = away - np.outer(away @ outward, outward)
+    away /= np.linalg.norm(away, axis=1, keepdims=True)
+    return Mesh(
+        name=f"{name}/edge",
+        positions=np.concatenate([front, back]),
+        faces=np.concatenate(faces).astype(np.int32),
+        normals=np.concatenate([away, away]).astype(np.float32),
+        material=Diffuse(color=EDGE),
+    )

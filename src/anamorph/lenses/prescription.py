@@ -7,12 +7,9 @@ from dataclasses import dataclass, fields
 import numpy as np
 
 from anamorph.base.errors import AnamorphError
-from anamorph.lenses.lens_mesh import LensSurface
-from anamorph.surfaces.sag import Toroid
-from anamorph.surfaces.shapes import Plane, Sphere
-
-FLAT = 1e-6
-"""A curvature, in 1/m, below which a surface is a plane."""
+from anamorph.surfaces.base import Surface
+from anamorph.surfaces.sphere import FLAT, round_surface
+from anamorph.surfaces.toroid import Toroid
 
 
 @dataclass(frozen=True)
@@ -102,7 +99,7 @@ class Prescription:
         # Light along the axis meets the front squarely: the tilt of the back alone has to deviate it.
         return float(np.arctan2(np.sin(deviation), self.index - np.cos(deviation)))
 
-    def surfaces(self, back_vertex: np.ndarray, axes: np.ndarray) -> tuple[LensSurface, LensSurface]:
+    def surfaces(self, back_vertex: np.ndarray, axes: np.ndarray) -> tuple[Surface, Surface]:
         """Front and back of the lens whose back vertex is at `back_vertex` (3,) and whose axes are `axes` (3, 3).
 
         Rows of `axes`: right and up as seen by who faces the wearer, and outward, from the wearer to them.
@@ -121,13 +118,3 @@ class Prescription:
         if abs(at_axis - across) < FLAT:
             return front, round_surface(back_vertex, back_axes, at_axis)
         return front, Toroid(back_vertex, at_axis, across, back_axes)
-
-
-def round_surface(apex: np.ndarray, axes: np.ndarray, curvature: float) -> Sphere | Plane:
-    """The sphere or plane through `apex` (3,), bulging along the outward axis where `curvature` (1/m) is positive."""
-    right, up, outward = axes = np.asarray(axes, float)
-    if abs(curvature) < FLAT:
-        return Plane(np.asarray(apex, float), right, up)
-    # Where the surface is hollow, the sphere's own outward axis points the other way.
-    own = axes if curvature > 0.0 else np.stack([right, -up, -outward])
-    return Sphere(apex - outward / curvature, 1.0 / abs(curvature), own)

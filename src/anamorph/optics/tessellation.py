@@ -14,7 +14,7 @@ from anamorph.base.errors import AnamorphError
 from anamorph.optics.laws import reflect, refract
 from anamorph.scene.camera import Camera
 from anamorph.scene.model import Glass, Material, Mesh, Scene
-from anamorph.scene.subdivision import between, split, subdivided, turned_normals
+from anamorph.scene.subdivision import split, subdivided
 
 MOST_LEVELS = 4
 MOST_CUTS = 6
@@ -65,9 +65,9 @@ def normal_errors(mesh: Mesh, camera: Camera, size: tuple[int, int]) -> tuple[np
     left, turn, _ = np.linalg.svd(_turning(directions, places[shown]), full_matrices=False)
     turn = np.maximum(turn, 2.0 * np.tan(np.radians(camera.field_of_view) / 2.0) / size[1])
     for around in SAMPLES:
-        parameters = between(mesh.surface, mesh.parameters[faces][:, around], mesh.positions[faces][:, around])
+        parameters = mesh.surface.between(mesh.parameters[faces][:, around], mesh.positions[faces][:, around])
         points = mesh.surface.position(parameters)
-        exact = turned_normals(mesh.surface, parameters, normals[:, around].sum(axis=1))
+        exact = mesh.surface.normals_toward(parameters, normals[:, around].sum(axis=1))
         interpolated = np.einsum("fk,fkj->fj", _weights(corners, points), normals)
         shown_ray = _bent(mesh.material, points - eye, interpolated)
         if isinstance(mesh.material, Glass):

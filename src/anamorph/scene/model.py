@@ -6,12 +6,13 @@ linear colours but for textures, which are stored as 8-bit sRGB.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from anamorph.scene.camera import Camera
-from anamorph.surfaces.shapes import Surface
+from anamorph.surfaces.base import Surface
+from anamorph.surfaces.similarity import Similarity
 
 Color = tuple[float, float, float]
 WHITE: Color = (1.0, 1.0, 1.0)
@@ -98,6 +99,25 @@ class Mesh:
     def specular(self) -> bool:
         """Whether light goes on from this mesh (mirror or glass) and does not end there."""
         return not isinstance(self.material, Diffuse)
+
+    @property
+    def side(self) -> float:
+        """1 where the exact surface's own normals point out of the mesh, -1 where they point into it."""
+        assert self.surface is not None and self.parameters is not None
+        return 1.0 if np.sum(self.surface.normal(self.parameters) * self.normals) > 0.0 else -1.0
+
+    def moved(self, by: Similarity) -> Mesh:
+        """The mesh moved, with its exact surface."""
+        surface, parameters = self.surface, self.parameters
+        if surface is not None and surface.metric and parameters is not None:
+            parameters = by.scale * parameters
+        return replace(
+            self,
+            positions=by.points(self.positions).astype(np.float32),
+            normals=by.directions(self.normals).astype(np.float32),
+            surface=None if surface is None else surface.moved(by),
+            parameters=parameters,
+        )
 
 
 @dataclass(frozen=True)

@@ -8,16 +8,11 @@ import numpy as np
 
 from anamorph.base.errors import AnamorphError
 from anamorph.scene.model import Mesh
-from anamorph.surfaces.nurbs import NurbsSurface
-from anamorph.surfaces.shapes import BezierPatch, Sphere, Surface
 
 MOST_LEVELS = 8
 
 DECIMALS = 9
 """New positions are rounded to a nanometre, so that neighbours get the same along a border that they share."""
-
-POLE = 1e-6
-"""A parameter moves nothing where the surface moves by less than this share of its size over all of its range."""
 
 
 def subdivided(mesh: Mesh, levels: int) -> Mesh:
@@ -70,8 +65,8 @@ def split(mesh: Mesh, cut: np.ndarray) -> Mesh:
     ends = np.stack([keys >> 32, keys & 0xFFFFFFFF], axis=-1)
     middles = np.zeros(cut.shape, np.int64)
     middles[cut] = len(mesh.positions) + number
-    parameters = between(mesh.surface, mesh.parameters[ends], mesh.positions[ends])
-    normals = turned_normals(mesh.surface, parameters, mesh.normals[ends].sum(axis=1))
+    parameters = mesh.surface.between(mesh.parameters[ends], mesh.positions[ends])
+    normals = mesh.surface.normals_toward(parameters, mesh.normals[ends].sum(axis=1))
 
     def mean(old: np.ndarray | None) -> np.ndarray | None:
         return None if old is None else _with(old, np.mean(old[ends], axis=1))
@@ -111,64 +106,3 @@ def _parts(faces: np.ndarray, cut: np.ndarray, middles: np.ndarray) -> np.ndarra
         found.append(np.stack([np.stack(part, axis=-1)[own] for part in pattern], axis=1).reshape(-1, 3))
         owner.append(np.repeat(own, len(pattern)))
     return np.concatenate(found)[np.argsort(np.concatenate(owner), kind="stable")]
-
-
-def turned_normals(surface: Surface, parameters: np.ndarray, side: np.ndarray) -> np.ndarray:
-    """The exact normals, (N, 3) float64, at parameters (N, 2), on the side to which vectors (N, 3) point."""
-    normals = surface.normal(parameters)
-    return np.where(np.sum(normals * side, axis=1, keepdims=True) < 0.0, -normals, normals)
-
-
-def between(surface: Surface, parameters: np.ndarray, positions: np.ndarray) -> np.ndarray:
-    """Parameters, (N, 2) float64, of a point of the surface in the middle of K others each.
-
-    Parameters
-    ----------
-    surface : Surface
-    parameters : (N, K, 2) array
-        Of the K points. They may lie on both sides of a seam, and on a pole one of the two may be anything.
-    positions : (N, K, 3) array
-        The K points, metres.
-    """
-    match surface:
-        case Sphere():
-            middle = np.mean(np.asarray(positions, float), axis=1)
-            if (np.linalg.norm(middle - surface.center, axis=1) < 1e-3 * surface.radius).any():
-                raise AnamorphError("sphere: an edge of its mesh goes through its centre; give it more triangles")
-            return surface.parameters(middle)
-        case BezierPatch() | NurbsSurface():
-            return _between_on_patch(surface, np.asarray(parameters, float))
-    return np.mean(np.asarray(parameters, float), axis=1)
-
-
-def _between_on_patch(surface: BezierPatch | NurbsSurface, uv: np.ndarray) -> np.ndarray:
-    if isinstance(surface, NurbsSurface):
-        (low, high), extent = surface.domain, surface.extent
-    else:
-        low, high, extent = np.zeros(2), np.ones(2), float(np.ptp(np.reshape(surface.control, (-1, 3)), axis=0).max())
-    size = high - low
-
-    # At a pole, where a parameter has no meaning, the other points' value counts.
-    weight = np.ones(uv.shape)
-    border = ((uv <= low) | (uv >= high)).any(axis=-1)
-    for axis, orders in enumerate(((1, 0), (0, 1))):
-        moves = np.linalg.norm(surface.derivative(uv[border], *orders), axis=1) * size[axis]
-        weight[border, axis] = moves > POLE * extent
-    weight[:] = np.where(weight.any(axis=1, keepdims=True), weight, 1.0)
-
-    closed = _closed(surface, low, high, extent)
-    first = np.take_along_axis(uv, weight.argmax(axis=1)[:, None], axis=1)
-    uv = uv - np.where(closed, size * np.round((uv - first) / size), 0.0)
-    middle = np.sum(weight * uv, axis=1) / np.sum(weight, axis=1)
-    return np.where(middle < low, middle + size, np.where(middle > high, middle - size, middle))
-
-
-def _closed(surface: BezierPatch | NurbsSurface, low: np.ndarray, high: np.ndarray, extent: float) -> np.ndarray:
-    """Whether the surface ends where it starts along u and along v, (2,) bool."""
-    starts = low + np.linspace(0.0, 1.0, 7)[:, None] * (high - low)
-    found = np.zeros(2, bool)
-    for axis in range(2):
-        ends = np.stack([starts, starts])
-        ends[:, :, axis] = np.stack([low, high])[:, axis : axis + 1]
-        found[axis] = np.abs(surface.position(ends[0]) - surface.position(ends[1])).max() <= POLE * extent
-    return found

@@ -2,23 +2,34 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.interpolate import BSpline
 
+from anamorph.base.compiled import compiled
 from anamorph.base.errors import AnamorphError
-from anamorph.surfaces.shapes import unit_normals
+from anamorph.base.vectors import Vector
+from anamorph.surfaces.bsplines import basis
+from anamorph.surfaces.nurbs_pieces import EXTENT, LOW_U, LOW_V, SIZE_U, SIZE_V, pieces, point_and_tangents
+from anamorph.surfaces.patch import Patch
+from anamorph.surfaces.patch_search import meet_patch
+from anamorph.surfaces.similarity import Similarity
 
 AT_ONCE = 4096
 """Points evaluated together: what is between the two directions' sums is (points, poles along v, 4) large."""
 
 
-@dataclass(frozen=True, eq=False)
-class NurbsSurface:
-    """position = sum N_i(u) N_j(v) w_ij P_ij / sum N_i(u) N_j(v) w_ij, with B-spline bases N.
+@compiled
+def _meet(
+    numbers: np.ndarray, origin: Vector, direction: Vector, distance: float, u: float, v: float, facing: Vector
+) -> tuple[bool, float, Vector]:
+    u, v = (u - numbers[LOW_U]) / numbers[SIZE_U], (v - numbers[LOW_V]) / numbers[SIZE_V]
+    return meet_patch(point_and_tangents, numbers, numbers[EXTENT], numbers[-1], origin, direction, u, v)
 
-    The normal points along sign * d/du x d/dv. Where that vanishes (a pole) it is the limit from inside.
+
+@dataclass(frozen=True, eq=False)
+class NurbsSurface(Patch):
+    """position = sum N_i(u) N_j(v) w_ij P_ij / sum N_i(u) N_j(v) w_ij, with B-spline bases N.
 
     Parameters
     ----------
@@ -41,6 +52,8 @@ class NurbsSurface:
     degree_v: int
     sign: float = 1.0
 
+    meet = staticmethod(_meet)
+
     def __post_init__(self) -> None:
         shape = (len(self.knots_u) - self.degree_u - 1, len(self.knots_v) - self.degree_v - 1)
         if min(self.degree_u, self.degree_v) < 1 or shape[0] <= self.degree_u or shape[1] <= self.degree_v:
@@ -57,19 +70,17 @@ class NurbsSurface:
             raise AnamorphError("NURBS: knots must not fall, nor all be one; export it again")
 
     @property
+    def numbers(self) -> np.ndarray:
+        knots, degrees = (self.knots_u, self.knots_v), (self.degree_u, self.degree_v)
+        return np.append(pieces(self._weighted, knots, degrees, self.extent), self.sign)
+
+    @property
     def domain(self) -> tuple[np.ndarray, np.ndarray]:
-        """The least and the greatest (u, v), (2,) float64 each."""
         u, v = self.knots_u, self.knots_v
         return (
             np.array([u[self.degree_u], v[self.degree_v]]),
             np.array([u[-self.degree_u - 1], v[-self.degree_v - 1]]),
         )
-
-    def position(self, uv: np.ndarray) -> np.ndarray:
-        return self.derivative(uv, 0, 0)
-
-    def normal(self, uv: np.ndarray) -> np.ndarray:
-        return self.sign * unit_normals(self.derivative, *self.domain, self.extent, uv)
 
     @property
     def extent(self) -> float:
@@ -87,8 +98,7 @@ class NurbsSurface:
     def homogeneous(self, uv: np.ndarray, order_u: int, order_v: int) -> np.ndarray:
         """Partial derivative of numerator and denominator, (N, 4) float64: (w x, w y, w z, w)."""
         uv = np.asarray(uv, float).reshape(-1, 2)
-        weighted = np.concatenate([self.poles * self.weights[..., None], self.weights[..., None]], axis=-1)
-        found = np.empty((len(uv), 4))
+        weighted, found = self._weighted, np.empty((len(uv), 4))
         for first in range(0, len(uv), AT_ONCE):
             u, v = uv[first : first + AT_ONCE].T
             basis_u = basis(self.knots_u, self.degree_u, u, order_u)
@@ -97,43 +107,13 @@ class NurbsSurface:
             found[first : first + AT_ONCE] = np.einsum("nj,njk->nk", basis_v, along_v)
         return found
 
-    def curvatures(self, uv: np.ndarray) -> np.ndarray:
-        """Principal curvatures, (N, 2) float64, 1/m, the greater first, at parameters (N, 2).
+    def moved(self, by: Similarity) -> NurbsSurface:
+        return replace(self, poles=by.points(self.poles))
 
-        Positive where the surface bends away from its normal: both are 1/R on a sphere seen from outside. Near a pole
-        they are those of a point a thousandth of the domain further inside.
-        """
-        uv = self._off_poles(np.asarray(uv, float).reshape(-1, 2))
-        along_u, along_v = self.derivative(uv, 1, 0), self.derivative(uv, 0, 1)
-        normal = self.normal(uv)
-        second = [self.derivative(uv, *orders) for orders in ((2, 0), (1, 1), (0, 2))]
-        uu, mixed, vv = (-np.sum(value * normal, axis=1) for value in second)
-        # In an orthonormal frame of the tangent plane the second form is symmetric, and its eigenvalues exact even
-        # where they are equal: d/du = a x, d/dv = b x + c y.
-        a = np.linalg.norm(along_u, axis=1)
-        x = along_u / a[:, None]
-        b, c = np.sum(along_v * x, axis=1), np.sum(along_v * np.cross(normal, x), axis=1)
-        xx = uu / a**2
-        xy = (mixed - b * uu / a) / (a * c)
-        yy = (vv - 2.0 * b * mixed / a + b**2 * uu / a**2) / c**2
-        middle, half = (xx + yy) / 2.0, np.hypot((xx - yy) / 2.0, xy)
-        return np.stack([middle + half, middle - half], axis=-1)
-
-    def _off_poles(self, uv: np.ndarray) -> np.ndarray:
-        low, high = self.domain
-        size = high - low
-        sides = [np.linalg.norm(self.derivative(uv, *orders), axis=1) for orders in ((1, 0), (0, 1))]
-        pole = np.minimum(sides[0] * size[0], sides[1] * size[1]) <= 1e-4 * self.extent
-        inward = np.where(uv < (low + high) / 2.0, size, -size)
-        return np.where(pole[:, None], uv + 1e-3 * inward, uv)
-
-
-def basis(knots: np.ndarray, degree: int, at: np.ndarray, order: int = 0) -> np.ndarray:
-    """All B-splines over `knots` at parameters (N,), or their derivatives of `order`: (N, poles)."""
-    count = len(knots) - degree - 1
-    if order > degree:
-        return np.zeros((len(at), count))
-    return BSpline(knots, np.eye(count), degree)(at, nu=order)
+    @property
+    def _weighted(self) -> np.ndarray:
+        """The poles' numerators and denominators, (P, Q, 4)."""
+        return np.concatenate([self.poles * self.weights[..., None], self.weights[..., None]], axis=-1)
 
 
 def _quotient(sums: dict[tuple[int, int], np.ndarray], i: int, j: int) -> np.ndarray:

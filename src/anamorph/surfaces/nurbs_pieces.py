@@ -12,34 +12,42 @@ import numpy as np
 
 from anamorph.base.compiled import compiled
 from anamorph.base.vectors import Vector
-from anamorph.surfaces.nurbs import NurbsSurface, basis
+from anamorph.surfaces.bsplines import basis
 
-HEAD = 9
-"""degree_u, degree_v, pieces along u and v, low u, size u, low v, size v, extent; then borders and coefficients."""
+DEGREE_U, DEGREE_V, COUNT_U, COUNT_V, LOW_U, SIZE_U, LOW_V, SIZE_V, EXTENT, HEAD = range(10)
+"""Where the numbers of a surface are; its borders and coefficients follow from HEAD on."""
 
 Homogeneous = tuple[float, float, float, float]
 
 
-def pieces(surface: NurbsSurface) -> np.ndarray:
-    """The numbers of `surface`, (N,) float64, for `point_and_tangents`."""
-    low, high = surface.domain
-    sides, borders = [], []
-    for axis, (knots, degree) in enumerate(((surface.knots_u, surface.degree_u), (surface.knots_v, surface.degree_v))):
-        ends = np.unique(np.clip(knots, low[axis], high[axis]))
+def pieces(
+    weighted: np.ndarray, knots: tuple[np.ndarray, np.ndarray], degrees: tuple[int, int], extent: float
+) -> np.ndarray:
+    """The numbers of a surface, (N,) float64, for `point_and_tangents`.
+
+    Parameters
+    ----------
+    weighted : (P, Q, 4) array
+        The poles' numerators and denominators: (w x, w y, w z, w).
+    knots, degrees : two each
+        Along u and along v.
+    extent : float
+        Metres.
+    """
+    sides, borders, domain = [], [], []
+    for own, degree in zip(knots, degrees, strict=True):
+        low, high = own[degree], own[-degree - 1]
+        ends = np.unique(np.clip(own, low, high))
         middles, halves = (ends[1:] + ends[:-1]) / 2.0, np.diff(ends) / 2.0
         terms = [
-            basis(knots, degree, middles, order) * halves[:, None] ** order / factorial(order)
+            basis(own, degree, middles, order) * halves[:, None] ** order / factorial(order)
             for order in range(degree + 1)
         ]
         sides.append(np.stack(terms, axis=1))
-        borders.append((ends - low[axis]) / (high[axis] - low[axis]))
-    weighted = np.concatenate([surface.poles * surface.weights[..., None], surface.weights[..., None]], axis=-1)
+        borders.append((ends - low) / (high - low))
+        domain += [low, high - low]
     coefficients = np.einsum("apn,bqm,nmk->abpqk", *sides, weighted, optimize=True)
-    size = high - low
-    head = [
-        *(surface.degree_u, surface.degree_v, len(borders[0]) - 1, len(borders[1]) - 1),
-        *(low[0], size[0], low[1], size[1], surface.extent),
-    ]
+    head = [*degrees, len(borders[0]) - 1, len(borders[1]) - 1, *domain, extent]
     return np.concatenate([head, *borders, coefficients.ravel()])
 
 
@@ -80,8 +88,8 @@ def point_and_tangents(numbers: np.ndarray, u: float, v: float) -> tuple[Vector,
 
     A little outside, the outermost piece goes on.
     """
-    degree_u, degree_v = int(numbers[0]), int(numbers[1])
-    count_u, count_v = int(numbers[2]), int(numbers[3])
+    degree_u, degree_v = int(numbers[DEGREE_U]), int(numbers[DEGREE_V])
+    count_u, count_v = int(numbers[COUNT_U]), int(numbers[COUNT_V])
     piece_u, s, slope_u = _piece(numbers, HEAD, count_u, u)
     piece_v, t, slope_v = _piece(numbers, HEAD + count_u + 1, count_v, v)
     first = HEAD + count_u + count_v + 2

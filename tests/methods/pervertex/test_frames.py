@@ -34,7 +34,8 @@ from anamorph.methods.session import Stage
 from anamorph.projection import UNIFORM_BYTES
 from anamorph.scene.camera import Camera
 from anamorph.scene.model import Diffuse, Mesh, Mirror, Scene
-from anamorph.surfaces.shapes import Plane, Sphere
+from anamorph.surfaces.plane import Plane
+from anamorph.surfaces.sphere import Sphere
 
 CURVED = scene_with(spherical_mirror())
 

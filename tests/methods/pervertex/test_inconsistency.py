@@ -11,7 +11,8 @@ from scenes import CAMERA, SIZE, drawn, open_view, pixels_of, scene_with, spheri
 from anamorph.base.errors import AnamorphError
 from anamorph.frame import View
 from anamorph.gallery.shapes import box, grid
-from anamorph.lenses.lens import Prescription, make_lens
+from anamorph.lenses.making import make_lens
+from anamorph.lenses.prescription import Prescription
 from anamorph.measure.errors import measure, silhouettes
 from anamorph.methods.pervertex import Options
 from anamorph.methods.pervertex.inconsistency import inconsistent_vertices

@@ -15,13 +15,14 @@ from anamorph.gallery import make
 from anamorph.gallery.flat_mirror import plane_mirror
 from anamorph.gallery.shapes import grid
 from anamorph.gallery.textures import checkerboard
-from anamorph.lenses.lens import Prescription, make_lens
-from anamorph.lenses.lens_mesh import lens_between
-from anamorph.lenses.prescription import round_surface
+from anamorph.lenses.lens import lens_between
+from anamorph.lenses.making import make_lens
+from anamorph.lenses.prescription import Prescription
 from anamorph.measure.errors import measure, silhouettes
 from anamorph.optics.dispersion import line_indices
 from anamorph.scene.camera import Camera
 from anamorph.scene.model import AmbientLight, Diffuse, Glass, Scene, Sky
+from anamorph.surfaces.sphere import round_surface
 
 METHODS = ("pervertex", "pervertex:refine=2")
 BUILT_IN = ("spectacles-minus", "spectacles-plus", "magnifier")

@@ -16,7 +16,8 @@ from anamorph.gallery.shapes import box
 from anamorph.gpu.device import get_device
 from anamorph.gpu.drawing import bind_scene, submit
 from anamorph.gpu.targets import COLOR_FORMAT, begin_pass, make_target, read_texture
-from anamorph.lenses.lens import Prescription, make_lens
+from anamorph.lenses.making import make_lens
+from anamorph.lenses.prescription import Prescription
 from anamorph.methods.session import Stage
 from anamorph.methods.tracing import tiles
 from anamorph.methods.tracing.paths import PathTracer, specular_rectangle

@@ -17,8 +17,10 @@ from anamorph.rays.caster import Caster
 from anamorph.scene.camera import Camera
 from anamorph.scene.geometry import Geometry, flatten
 from anamorph.scene.model import Glass, Mesh, Mirror, Scene
+from anamorph.surfaces.bezier import BezierPatch
 from anamorph.surfaces.intersection import intersect
-from anamorph.surfaces.shapes import BezierPatch, Plane, Sphere
+from anamorph.surfaces.plane import Plane
+from anamorph.surfaces.sphere import Sphere
 
 SIZE = (64, 48)
 ANGLE = 1e-5

@@ -14,7 +14,7 @@ import numpy as np
 from anamorph.base.compiled import compiled, inlined
 from anamorph.base.vectors import Vector, along, cross, dot, unit
 from anamorph.frame import Status
-from anamorph.surfaces.intersection import BEZIER, NONE, NURBS, PLANE, meet
+from anamorph.surfaces.intersection import NONE, PATCHES, PLANE, meet
 
 DIFFUSE, MIRROR, GLASS = range(3)
 WORDS = 16
@@ -330,7 +330,7 @@ def advance(
         curved = world.surface[item] != NONE and world.surface[item] != PLANE
         kind = world.surface[item]
         # Patches of one body meet along borders where the one's mesh can stand before the other's surface.
-        related = abs(left) == item or (kind == world.surface[abs(left)] and kind in (BEZIER, NURBS))
+        related = abs(left) == item or (kind == world.surface[abs(left)] and kind in PATCHES)
         # An exact surface and its mesh do not coincide: a ray that leaves the one may first have to pass the other,
         # from the side it cannot be on. Rounding does the same to a flat one.
         passes = left != 0 and related and (left > 0) != outside and paths.distance[i] < skin

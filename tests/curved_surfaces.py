@@ -39,9 +39,21 @@ def sphere_surface(center=CENTER, radius=RADIUS, sign=1.0):
     return NurbsSurface(center + radius * surface.poles, *(getattr(surface, name) for name in FIELDS))
 
 
-def torus_surface(major, minor):
+def torus_surface(major, minor, sign=1.0):
     circle, weights = ring()
-    return revolved(minor * circle + [major, 0.0], weights, QUARTERS)
+    return revolved(minor * circle + [major, 0.0], weights, QUARTERS, sign)
+
+
+def height_field(seed=0, degrees=(3, 4), spans=(3, 2)):
+    """A rational height field with simple inner knots."""
+    random = np.random.default_rng(seed)
+    knots = [
+        np.concatenate([[0.0] * d, np.linspace(0, 2, n + 1), [2.0] * d]) for d, n in zip(degrees, spans, strict=True)
+    ]
+    shape = tuple(d + n for d, n in zip(degrees, spans, strict=True))
+    x, y = np.meshgrid(*(np.linspace(0, 1, n) for n in shape), indexing="ij")
+    poles = np.stack([x, y, 0.1 * random.normal(size=shape)], axis=-1)
+    return NurbsSurface(poles, random.uniform(0.7, 1.4, shape), *knots, *degrees)
 
 
 def mesh_on(surface, low, high, cells=(6, 5), side=1.0):

@@ -4,13 +4,17 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from curved_surfaces import mesh_on, wavy
 
 from anamorph.base.errors import AnamorphError
 from anamorph.files.cad import CadFace
 from anamorph.gallery import door_mirror
 from anamorph.measure.curvature import mirror_radii, principal_radii
 from anamorph.scene.model import Mesh
+from anamorph.surfaces.even_asphere import EvenAsphere
 from anamorph.surfaces.nurbs import NurbsSurface
+from anamorph.surfaces.sphere import Sphere
+from anamorph.surfaces.toroid import Toroid
 
 CLAMPED = np.array([0, 0, 0, 1, 1, 1.0])
 
@@ -67,5 +71,28 @@ def test_what_has_no_radius_is_refused_in_one_line():
     with pytest.raises(AnamorphError, match=r"^mirror 'glass': is flat[^\n]*$"):
         mirror_radii(flat)
     plain = Mesh("plain", flat.positions, flat.faces, flat.normals)
-    with pytest.raises(AnamorphError, match=r"^mirror 'plain': has no NURBS[^\n]*$"):
+    with pytest.raises(AnamorphError, match=r"^mirror 'plain': has no exact surface[^\n]*$"):
         mirror_radii(plain)
+
+
+@pytest.mark.parametrize("side", [1.0, -1.0])
+def test_every_exact_surface_has_its_radii(side):
+    """Those of closed forms; a concave mirror is cut from the same surface, with its normals the other way."""
+    far = [0.1, 0.06]
+    sphere = mesh_on(Sphere(np.zeros(3), 1.4), np.array([-0.08, -0.05]), np.array([0.08, 0.05]), side=side)
+    np.testing.assert_allclose(principal_radii(sphere), side * 1.4, rtol=1e-12)
+    assert mirror_radii(sphere).mean == pytest.approx(side * 1.4, rel=1e-12)
+    assert mirror_radii(sphere).principal_deviation < 1e-12
+
+    apex = [0.0, 0.0, 0.0]
+    toroid = mesh_on(Toroid(np.array(apex), 1.0 / 1.4, 1.0 / 1.2), np.negative(far), np.array(far), side=side)
+    np.testing.assert_allclose(mirror_radii(toroid).principal[1], [side * 1.2, side * 1.4], rtol=1e-9)
+    asphere = mesh_on(EvenAsphere(np.array(apex), 1.0 / 1.4, -1.0), np.negative(far), np.array(far), side=side)
+    # A paraboloid, along its slope and across it.
+    stretch = 1.0 + (0.2 / 6.0 / 1.4) ** 2
+    for point, (across, along) in enumerate([(stretch**0.5, stretch**1.5), (1.0, 1.0), (stretch**0.5, stretch**1.5)]):
+        expected = [side * 1.4 * across, side * 1.4 * along]
+        np.testing.assert_allclose(mirror_radii(asphere).principal[point], expected, rtol=1e-9)
+    patch = mesh_on(wavy(), np.zeros(2), np.ones(2), side=side)
+    expected = np.sort(side * wavy().curvatures(patch.parameters))
+    np.testing.assert_allclose(np.sort(1.0 / principal_radii(patch)), expected, rtol=1e-12)

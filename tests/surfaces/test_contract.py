@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from instances import SURFACES, Instance, axes, instance, places
+from surface_instances import SURFACES, Instance, axes, instance, places
 
 from anamorph.base.compiled import compiled
 from anamorph.base.vectors import Vector

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from curved_surfaces import CENTER, FIELDS, QUARTERS, RADIUS, sphere_surface, torus_surface
+from curved_surfaces import CENTER, FIELDS, QUARTERS, RADIUS, height_field, sphere_surface, torus_surface
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -17,21 +17,7 @@ from anamorph.scene.model import Mesh, Mirror, Scene
 from anamorph.surfaces.intersection import intersect
 from anamorph.surfaces.nurbs import NurbsSurface
 from anamorph.surfaces.nurbs_pieces import point_and_tangents
-from anamorph.surfaces.similarity import Similarity, rotation
 from anamorph.surfaces.sphere import Sphere
-
-
-def bumpy(seed=0, degrees=(3, 4), spans=(3, 2)):
-    """A rational height field with simple inner knots."""
-    random = np.random.default_rng(seed)
-    knots = [
-        np.concatenate([[0.0] * d, np.linspace(0, 2, n + 1), [2.0] * d]) for d, n in zip(degrees, spans, strict=True)
-    ]
-    shape = tuple(d + n for d, n in zip(degrees, spans, strict=True))
-    x, y = np.meshgrid(*(np.linspace(0, 1, n) for n in shape), indexing="ij")
-    poles = np.stack([x, y, 0.1 * random.normal(size=shape)], axis=-1)
-    return NurbsSurface(poles, random.uniform(0.7, 1.4, shape), *knots, *degrees)
-
 
 around = st.one_of(st.sampled_from([0.0, 1.0, 2.0, 4.0]), st.floats(0.0, 4.0))
 upward = st.one_of(st.sampled_from([0.0, 1e-6, 1.0, 2.0]), st.floats(0.0, 2.0))
@@ -57,7 +43,7 @@ def test_curvatures_of_a_torus_follow_its_closed_form(u, v):
 
 @given(st.integers(0, 20), st.floats(0.001, 1.999), st.floats(0.001, 1.999))
 def test_derivatives_are_those_of_the_position(seed, u, v):
-    surface, uv, step = bumpy(seed), np.array([[u, v]]), 1e-4
+    surface, uv, step = height_field(seed), np.array([[u, v]]), 1e-4
     for axis in range(2):
         aside = np.zeros((1, 2))
         aside[0, axis] = step
@@ -70,14 +56,14 @@ def test_derivatives_are_those_of_the_position(seed, u, v):
 
 
 def test_many_points_at_once_are_those_one_by_one():
-    surface = bumpy()
+    surface = height_field()
     uv = np.random.default_rng(0).uniform(0, 2, (9000, 2))
     np.testing.assert_array_equal(
         surface.position(uv)[[0, 4095, 4096, 8999]], surface.position(uv[[0, 4095, 4096, 8999]])
     )
 
 
-@pytest.mark.parametrize("surface", [bumpy(), bumpy(1, (1, 5), (4, 1)), sphere_surface()])
+@pytest.mark.parametrize("surface", [height_field(), height_field(1, (1, 5), (4, 1)), sphere_surface()])
 def test_the_compiled_pieces_are_the_surface(surface):
     numbers = surface.numbers
     low, high = surface.domain
@@ -132,16 +118,6 @@ def test_surface_truth_bends_at_the_exact_nurbs():
         records.append(PathTracer(scene, geometry, Caster(geometry)).trace(camera, (32, 24)))
     assert (records[0][:, 7].view(np.uint32) >> 24 == 1).mean() > 0.3
     np.testing.assert_allclose(records[0][:, [0, 1, 2, 4, 5, 6]], records[1][:, [0, 1, 2, 4, 5, 6]], atol=2e-7)
-
-
-def test_a_moved_surface_is_the_surface_moved():
-    by = Similarity(0.5, rotation((20.0, -40.0, 70.0)), np.array([1.0, 2.0, 3.0]))
-    uv = np.random.default_rng(0).uniform(0.1, 1.9, (16, 2))
-    mesh = cap(bumpy(), uv)
-    moved = mesh.moved(by).surface
-    np.testing.assert_allclose(moved.position(uv), by.points(mesh.surface.position(uv)), atol=1e-14)
-    np.testing.assert_allclose(moved.normal(uv), mesh.surface.normal(uv) @ by.rotation.T, atol=1e-13)
-    np.testing.assert_allclose(moved.curvatures(uv), 2.0 * mesh.surface.curvatures(uv), rtol=1e-9)
 
 
 @pytest.mark.parametrize(

@@ -8,10 +8,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from anamorph.base.errors import AnamorphError
-from anamorph.scene.model import Mesh
 from anamorph.surfaces.even_asphere import MOST_COEFFICIENTS, EvenAsphere
 from anamorph.surfaces.intersection import intersect, meet, pack
-from anamorph.surfaces.similarity import Similarity, rotation
 from anamorph.surfaces.sphere import Sphere
 from anamorph.surfaces.toroid import Toroid
 
@@ -141,18 +139,6 @@ def test_a_ray_past_the_surface_is_not_ok_and_finite(surface):
     positions, normals, ok = intersect(surface, origins, directions, np.zeros((3, 2)))
     assert not ok.any()
     assert np.isfinite(positions).all() and np.isfinite(normals).all()
-
-
-@given(surfaces, st.floats(0.1, 10.0))
-def test_a_moved_surface_is_the_moved_points(surface, scale):
-    by = Similarity(scale, rotation((20.0, -50.0, 70.0)), np.array([1.0, 2.0, 3.0]))
-    uv = random_parameters(10)
-    positions, normals = surface.position(uv), surface.normal(uv)
-    mesh = Mesh("part", positions.astype(np.float32), np.array([[0, 1, 2]]), normals, surface=surface, parameters=uv)
-    moved = mesh.moved(by).surface
-    assert moved is not None
-    np.testing.assert_allclose(moved.position(scale * uv), by.points(positions), atol=1e-12 * max(scale, 1.0))
-    np.testing.assert_allclose(moved.normal(scale * uv), normals @ by.rotation.T, atol=1e-11)
 
 
 @pytest.mark.parametrize(

@@ -14,15 +14,15 @@ import numpy as np
 from anamorph.base.errors import AnamorphError
 from anamorph.scene.model import Mesh
 from anamorph.scene.pose import WORLD_UP, bounding_pose
+from anamorph.surfaces.base import Surface
 from anamorph.surfaces.intersection import intersect
-from anamorph.surfaces.nurbs import NurbsSurface
 
 SHARES = (1.0 / 3.0, 1.0 / 2.0, 2.0 / 3.0)
 
 
 @dataclass(frozen=True, eq=False)
 class MirrorRadii:
-    """Radii in metres, negative for a hollow mirror.
+    """Radii in metres, negative for a concave mirror.
 
     Parameters
     ----------
@@ -49,17 +49,16 @@ class MirrorRadii:
 
 
 def principal_radii(mesh: Mesh) -> np.ndarray:
-    """Both principal radii at every vertex, (V, 2) float64, metres; infinite where flat, negative where hollow."""
-    surface, parameters = _nurbs(mesh)
-    with np.errstate(divide="ignore"):
-        return 1.0 / surface.curvatures(parameters)
+    """Both principal radii at every vertex, (V, 2) float64, metres; infinite where flat, negative where concave."""
+    surface, parameters = _exact(mesh)
+    return _radii(mesh, surface.curvatures(parameters))
 
 
 def mirror_radii(mesh: Mesh) -> MirrorRadii:
     """The mean radius of a mirror, and how far it is from one radius everywhere."""
-    surface, parameters = _nurbs(mesh)
-    frame = bounding_pose((mesh,), WORLD_UP, f"mirror '{mesh.name}'")
-    vertices = (surface.position(parameters) - frame.center) @ frame.axes.T
+    surface, parameters = _exact(mesh)
+    pose = bounding_pose((mesh,), WORLD_UP, f"mirror '{mesh.name}'")
+    vertices = (surface.position(parameters) - pose.center) @ pose.axes.T
     size = np.ptp(vertices, axis=0)
     longer = int(size[1] > size[0])
     places = np.zeros((3, 3))
@@ -67,13 +66,11 @@ def mirror_radii(mesh: Mesh) -> MirrorRadii:
     nearest = np.linalg.norm(vertices[None, :, :2] - places[:, None, :2], axis=2).argmin(axis=1)
     # Seen from before the mirror, along its mean normal.
     places[:, 2] = 2.0 * size.max()
-    outward = np.tile(-frame.axes[2], (3, 1))
-    points, _, ok = intersect(surface, frame.center + places @ frame.axes, outward, parameters[nearest])
+    outward = np.tile(-pose.axes[2], (3, 1))
+    points, _, ok = intersect(surface, pose.center + places @ pose.axes, outward, parameters[nearest])
     if not ok.all():
         raise AnamorphError(f"mirror '{mesh.name}': is not whole around its middle; choose the faces of one glass")
-    inside = surface.curvatures(_parameters(surface, points, parameters[nearest]))
-    with np.errstate(divide="ignore"):
-        radii = 1.0 / inside
+    radii = _radii(mesh, surface.curvatures(surface.parameters(points, parameters[nearest])))
     if not np.isfinite(radii).all():
         raise AnamorphError(f"mirror '{mesh.name}': is flat, so that it has no mean radius")
     means = radii.mean(axis=1)
@@ -88,17 +85,14 @@ def mirror_radii(mesh: Mesh) -> MirrorRadii:
     )
 
 
-def _nurbs(mesh: Mesh) -> tuple[NurbsSurface, np.ndarray]:
-    if not isinstance(mesh.surface, NurbsSurface) or mesh.parameters is None:
-        raise AnamorphError(f"mirror '{mesh.name}': has no NURBS surface to measure; give a CAD face")
+def _exact(mesh: Mesh) -> tuple[Surface, np.ndarray]:
+    if mesh.surface is None or mesh.parameters is None:
+        raise AnamorphError(f"mirror '{mesh.name}': has no exact surface to measure; give a CAD face, or a sphere")
     return mesh.surface, mesh.parameters
 
 
-def _parameters(surface: NurbsSurface, points: np.ndarray, near: np.ndarray) -> np.ndarray:
-    """The (u, v), (N, 2), of points on the surface, by Gauss-Newton from `near`."""
-    uv = np.array(near, float)
-    for _ in range(20):
-        away = points - surface.position(uv)
-        slopes = np.stack([surface.derivative(uv, 1, 0), surface.derivative(uv, 0, 1)], axis=-1)
-        uv += np.stack([np.linalg.lstsq(slope, gap, rcond=None)[0] for slope, gap in zip(slopes, away, strict=True)])
-    return uv
+def _radii(mesh: Mesh, curvatures: np.ndarray) -> np.ndarray:
+    """Radii, (N, 2), the one of lesser magnitude first, from the curvatures of the mesh's surface."""
+    curvatures = mesh.side * curvatures
+    with np.errstate(divide="ignore"):
+        return 1.0 / np.take_along_axis(curvatures, np.argsort(-np.abs(curvatures), axis=1, kind="stable"), axis=1)

@@ -20,16 +20,6 @@ def rays_at(points, seed=0, spread=1.0):
     return origins, directions / np.linalg.norm(directions, axis=1, keepdims=True)
 
 
-def test_plane():
-    plane = Plane(np.array([-1.0, -1, 0.5]), np.array([2.0, 0, 0.1]), np.array([0.0, 2, 0]))
-    uv = np.random.default_rng(0).uniform(size=(50, 2))
-    origins, directions = rays_at(plane.position(uv))
-    positions, normals, ok = intersect(plane, origins, directions, uv + 0.2)
-    assert ok.all()
-    assert np.allclose(positions, plane.position(uv), atol=1e-13)
-    assert np.allclose(normals, plane.normal(uv), atol=1e-15)
-
-
 def test_a_ray_along_a_plane_or_away_from_it_is_not_ok():
     plane = Plane(np.zeros(3), np.array([1.0, 0, 0]), np.array([0.0, 1, 0]))
     origins, directions = [[0, 0, 1.0], [0, 0, -1.0], [0, 0, 1.0]], [[1, 0, 0.0], [1, 0, 0.0], [0, 0, 1.0]]

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
+from curved_surfaces import height_field, sphere_surface, torus_surface
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
@@ -115,48 +116,13 @@ def bezier_patches(draw):
     return draw(instance(BezierPatch(draw(places) + control @ draw(axes)), [0.0, 0.0], [1.0, 1.0]))
 
 
-HALF = np.sqrt(0.5)
-QUARTERS = np.array([0, 0, 0, 1, 1, 2, 2, 3, 3, 4, 4, 4.0])
-CIRCLE = np.array([[1, 0], [1, 1], [0, 1], [-1, 1], [-1, 0], [-1, -1], [0, -1], [1, -1], [1, 0.0]])
-ROUND = np.where(np.arange(9) % 2, HALF, 1.0)
-HALVES = np.array([0, 0, 0, 1, 1, 2, 2, 2.0])
-
-
-def revolved(profile, weights, knots, sign=1.0):
-    """Poles (P, 2) of radius and height turned about the z axis; its parts are rational quadrics."""
-    poles = np.concatenate([CIRCLE[:, None] * profile[None, :, :1], np.tile(profile[None, :, 1:], (9, 1, 1))], axis=2)
-    return NurbsSurface(poles, np.outer(ROUND, weights), QUARTERS, knots, 2, 2, sign)
-
-
-def rational_sphere(sign=1.0):
-    """A unit sphere with its poles on the z axis, and a seam."""
-    return revolved(np.array([[0, -1], [1, -1], [1, 0], [1, 1], [0, 1.0]]), ROUND[:5], HALVES, sign)
-
-
-def rational_torus(major, minor, sign=1.0):
-    return revolved(minor * CIRCLE + [major, 0.0], ROUND, QUARTERS, sign)
-
-
-def height_field(seed, degrees=(3, 4), spans=(3, 2)):
-    """A rational height field with simple inner knots."""
-    random = np.random.default_rng(seed)
-    knots = [
-        np.concatenate([[0.0] * degree, np.linspace(0, 2, count + 1), [2.0] * degree])
-        for degree, count in zip(degrees, spans, strict=True)
-    ]
-    shape = tuple(degree + count for degree, count in zip(degrees, spans, strict=True))
-    x, y = np.meshgrid(*(np.linspace(0, 1, count) for count in shape), indexing="ij")
-    poles = np.stack([x, y, 0.05 * random.normal(size=shape)], axis=-1)
-    return NurbsSurface(poles, random.uniform(0.7, 1.4, shape), *knots, *degrees)
-
-
 @st.composite
 def nurbs_surfaces(draw):
     sign = draw(st.sampled_from([1.0, -1.0]))
     made = draw(
         st.one_of(
-            st.just(rational_sphere(sign)),
-            st.floats(0.1, 0.9).map(lambda minor: rational_torus(1.0, minor, sign)),
+            st.just(sphere_surface(sign=sign)),
+            st.floats(0.1, 0.9).map(lambda minor: torus_surface(1.0, minor, sign)),
             st.integers(0, 20).map(height_field),
         )
     )

@@ -14,8 +14,9 @@ from figures.warps import warps
 import anamorph as an
 from anamorph import gallery
 from anamorph.base.output import to_pixels
-from anamorph.files.cad import FaceChoice, chosen_faces
-from anamorph.files.placing import replace_mirror
+from anamorph.files.cad import chosen_faces
+from anamorph.files.own_mirror import replace_mirror
+from anamorph.files.source import FaceChoice
 from anamorph.frame import View
 from anamorph.gallery.car_mirror import REARWARD, foot, glass, housing, mirror_sphere
 from anamorph.gallery.curvature_series import RADII, one_mirror

@@ -25,10 +25,10 @@ from anamorph import gallery
 from anamorph.base.errors import AnamorphError
 from anamorph.cli.commands import main
 from anamorph.files import cad
-from anamorph.files.cad import FaceChoice, choose, load_cad, read_cad
+from anamorph.files.cad import choose, load_cad, read_cad
 from anamorph.files.models import load_parts
 from anamorph.files.opening import open_scene
-from anamorph.files.scene_file import load_scene_file
+from anamorph.files.source import FaceChoice
 from anamorph.gallery import door_mirror
 from anamorph.methods.tracing.paths import PathTracer
 from anamorph.rays.caster import Caster
@@ -356,7 +356,7 @@ def scene_file(folder, model):
 
 def test_a_scene_file_names_faces_density_and_material(tmp_path):
     choice = 'faces = ["gl*"]\ndensity = 5\nmirror = { reflectance = 0.7 }\nscale = 2.0'
-    scene, _ = load_scene_file(scene_file(tmp_path, choice))
+    scene, _ = open_scene(scene_file(tmp_path, choice))
     (mesh,) = scene.meshes
     assert mesh.material.reflectance == 0.7
     assert np.ptp(exact(mesh)[0][:, 0]) == pytest.approx(0.38)
@@ -375,7 +375,7 @@ def test_a_scene_file_names_faces_density_and_material(tmp_path):
 )
 def test_mistakes_in_a_scene_file_are_named(tmp_path, model, says):
     with pytest.raises(AnamorphError, match=rf"^[^\n]*{says}[^\n]*$"):
-        load_scene_file(scene_file(tmp_path, model))
+        open_scene(scene_file(tmp_path, model))
 
 
 def test_the_command_line_chooses_scene_faces_and_density(tmp_path, capsys):

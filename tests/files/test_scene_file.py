@@ -15,11 +15,11 @@ from PIL import Image
 
 from anamorph import gallery
 from anamorph.base.errors import AnamorphError
-from anamorph.files.framing import stand_before_mirror
 from anamorph.files.key_lines import key_lines
+from anamorph.files.model_scene import stand_before_mirror
 from anamorph.files.models import load_model
 from anamorph.files.opening import open_scene
-from anamorph.files.scene_file import Settings, load_scene_file
+from anamorph.files.scene_file import Settings
 from anamorph.frame import View
 from anamorph.measure.status import gaps
 from anamorph.methods import parse
@@ -57,7 +57,7 @@ def write(folder: Path, text: str) -> Path:
 
 def complaint(path: Path) -> str:
     with pytest.raises(AnamorphError) as caught:
-        load_scene_file(path)
+        open_scene(path)
     message = str(caught.value)
     assert message.startswith(str(path)) and "\n" not in message
     return message
@@ -66,7 +66,7 @@ def complaint(path: Path) -> str:
 def test_the_documented_example_loads(folder: Path) -> None:
     example = re.search(r"```toml\n(.*?)```", DOCUMENT.read_text(), re.DOTALL)
     assert example
-    scene, settings = load_scene_file(write(folder, example[1]))
+    scene, settings = open_scene(write(folder, example[1]))
     assert (scene.name, settings) == ("bathroom", Settings((800, 600), "pervertex"))
     parts = {mesh.name: mesh for mesh in scene.meshes}
     assert list(parts) == ["door", "wall", "towel"]
@@ -101,7 +101,7 @@ def test_a_built_in_scene_can_be_changed(tmp_path: Path) -> None:
         'builtin = "spheres"\n[eye]\nfield_of_view = 50\n[[light]]\nkind = "directional"\ntoward = [0, 3, 4]\n'
         f'[[part]]\nname = "{mirror.name}"\nglass = {{ index = 1.4 }}\nrename = "lens"\ntranslate = [0, 0.5, 0]\n'
     )
-    scene, _ = load_scene_file(write(tmp_path, text))
+    scene, _ = open_scene(write(tmp_path, text))
     assert len(scene.meshes) == len(base.meshes)
     assert scene.camera.position == base.camera.position and scene.camera.field_of_view == 50.0
     light = scene.lights[0]
@@ -116,20 +116,20 @@ def test_a_built_in_scene_can_be_changed(tmp_path: Path) -> None:
 def test_parts_are_turned_moved_and_bent_where_they_stand(folder: Path) -> None:
     text = EYE + "[[model]]\nfile = 'cabinet.obj'\nscale = 0.001\nrotate = [-90, 0, 0]\n"
     text += "[[part]]\nname = '*'\nturn = [90, 0, 0]\nmove = [0, 0, 0.5]\n"
-    scene, _ = load_scene_file(write(folder, text))
+    scene, _ = open_scene(write(folder, text))
     # Both face +z: each turns about its own middle to face +x, and moves along what was its normal.
     for mesh, middle in zip(scene.meshes, ([0.0, 1.55, 0.52], [0.0, 1.0, 0.5]), strict=True):
         np.testing.assert_allclose(mesh.normals, [[1.0, 0.0, 0.0]] * 4, atol=1e-6)
         np.testing.assert_allclose(mesh.positions.mean(axis=0), middle, atol=1e-6)
     text = "builtin = 'flat-mirror'\n[[part]]\nname = 'mirror'\ncurvature = -0.25\nreflectance = 0.5\n"
-    mirror = next(mesh for mesh in load_scene_file(write(folder, text))[0].meshes if mesh.specular)
+    mirror = next(mesh for mesh in open_scene(write(folder, text))[0].meshes if mesh.specular)
     assert isinstance(mirror.surface, Sphere) and mirror.surface.radius == pytest.approx(4.0)
     assert isinstance(mirror.material, Mirror) and mirror.material.reflectance == 0.5
 
 
 def test_a_lens_is_one_part_under_the_name_its_faces_share(folder: Path) -> None:
     text = "builtin = 'spectacles-plus'\n[[part]]\nname = 'lens'\npower = 4\nindex = 1.5\nmove = [0, 0, 0.01]\n"
-    before, (after, _) = gallery.make("spectacles-plus"), load_scene_file(write(folder, text))
+    before, (after, _) = gallery.make("spectacles-plus"), open_scene(write(folder, text))
     for old, new in zip(before.meshes, after.meshes, strict=True):
         assert (not np.array_equal(old.positions, new.positions)) == old.name.startswith("lens/")
         assert not isinstance(new.material, Glass) or new.material.index == 1.5
@@ -137,7 +137,7 @@ def test_a_lens_is_one_part_under_the_name_its_faces_share(folder: Path) -> None
 
 def test_parts_can_be_removed_and_get_names_of_their_own(folder: Path) -> None:
     model = '[[model]]\nfile = "cabinet.obj"\n'
-    scene, _ = load_scene_file(write(folder, EYE + model + model + '[[part]]\nname = "wall*"\nremove = true\n'))
+    scene, _ = open_scene(write(folder, EYE + model + model + '[[part]]\nname = "wall*"\nremove = true\n'))
     assert [mesh.name for mesh in scene.meshes] == ["door", "door-2"]
 
 
@@ -225,7 +225,7 @@ def test_a_file_that_is_not_text_or_not_there_is_refused(tmp_path: Path) -> None
 def test_a_sky_image_is_read(folder: Path) -> None:
     Image.new("RGB", (8, 4), (10, 20, 30)).save(folder / "sky.png")
     text = EYE + "[[model]]\nfile = 'cabinet.obj'\n[sky]\nimage = 'sky.png'\n"
-    scene, _ = load_scene_file(write(folder, text))
+    scene, _ = open_scene(write(folder, text))
     assert scene.sky.image is not None and scene.sky.image.pixels.shape == (4, 8, 4)
     assert scene.sky.image.pixels[0, 0].tolist() == [10, 20, 30, 255]
 

@@ -15,12 +15,12 @@ from hypothesis import strategies as st
 
 from anamorph.base.errors import AnamorphError
 from anamorph.editing.edit import Edit
-from anamorph.files.cad import FaceChoice
 from anamorph.files.opening import open_scene
 from anamorph.files.scene_file import Settings
+from anamorph.files.source import FaceChoice, Source
 from anamorph.files.tables import Table
 from anamorph.files.toml import toml_text
-from anamorph.files.view_file import Opened, Source, open_view, save_view
+from anamorph.files.view_file import Opened, open_view, save_view
 from anamorph.gallery import door_mirror
 from anamorph.scene.camera import Camera
 from anamorph.scene.model import Scene

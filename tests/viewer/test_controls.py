@@ -13,7 +13,7 @@ from scenes import flat_mirror, scene_with, spherical_mirror
 from anamorph import gallery
 from anamorph.base.errors import AnamorphError
 from anamorph.editing.bending import bend_of
-from anamorph.files.scene_file import load_scene_file
+from anamorph.files.opening import open_scene
 from anamorph.methods import METHODS, Method, make_options
 from anamorph.methods.options import Limits, check_options, limits_of, option, summaries
 from anamorph.scene.camera import Camera
@@ -162,7 +162,7 @@ def test_what_is_set_is_what_a_scene_file_says_of_it(tmp_path_factory, data, of)
     path = tmp_path_factory.mktemp("scene") / "scene.toml"
     path.write_text("\n".join(lines))
     try:
-        scene, _ = load_scene_file(path)
+        scene, _ = open_scene(path)
     except AnamorphError as error:
         assert "behind the mirror" in str(error)
         return

@@ -14,9 +14,9 @@ from scenes import scene_with, spherical_mirror
 from viewer_hand import Hand
 
 from anamorph.base.errors import AnamorphError
-from anamorph.files.cad import FaceChoice
 from anamorph.files.models import SUFFIXES
-from anamorph.files.view_file import Opened, Source
+from anamorph.files.source import FaceChoice, Source
+from anamorph.files.view_file import Opened
 from anamorph.gallery import SCENES
 from anamorph.scene.model import Scene
 from anamorph.viewer import starting

@@ -21,7 +21,7 @@ from anamorph.base.errors import AnamorphError
 from anamorph.base.srgb import encode_srgb
 from anamorph.cli.commands import main
 from anamorph.cli.turntable import save_turntable
-from anamorph.files.scene_file import load_scene_file
+from anamorph.files.opening import open_scene
 from anamorph.frame import Frame, View
 from anamorph.scene.camera import Camera
 from anamorph.viewer.navigation import orbit as orbited
@@ -339,7 +339,7 @@ def test_the_command_follows_the_path_that_a_scene_file_keeps(
     Path("kept.toml").write_text(FILE + VIEWS)
     assert main(["turntable", "kept.toml", "--path", "-o", "a", "--frames", "3", "-m", "raytrace"]) == 0
     assert capsys.readouterr().out == "saved a\n"
-    scene, settings = load_scene_file("kept.toml")
+    scene, settings = open_scene("kept.toml")
     for number, camera in enumerate(between(views_of(settings.view), 3), start=1):
         wanted = an.render(scene, "raytrace", camera=camera, size=(48, 32)).color
         with Image.open(f"a/frame-{number:04}.png") as image:

@@ -9,7 +9,7 @@ from typing import NoReturn
 from anamorph.base.output import PICTURES
 from anamorph.base.versions import versions
 from anamorph.base.video import MOST_FRAMES, VIDEOS
-from anamorph.files.sources import Parser, add_cad_options
+from anamorph.files.source_words import Parser, add_cad_options
 
 MOST_TIMED = 300
 """Frames of a benchmark: where every vertex is in each of them is kept ready."""

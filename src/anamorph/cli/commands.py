@@ -18,7 +18,7 @@ from anamorph.base.progress import progress_bar
 from anamorph.base.quiet import heed, hush
 from anamorph.base.versions import versions
 from anamorph.cli.arguments import make_parser
-from anamorph.files.sources import face_choice
+from anamorph.files.source_words import face_choice
 
 NOTEWORTHY = 0.005
 """The share of a picture's mirrors without an answer that a user is told of."""
@@ -138,7 +138,7 @@ def _compare(arguments: argparse.Namespace) -> None:
 
 
 def _view(arguments: argparse.Namespace) -> None:
-    from anamorph.files.view_file import Source
+    from anamorph.files.source import Source
     from anamorph.methods import parse
     from anamorph.viewer.backends.choice import show
     from anamorph.viewer.starting import start

@@ -8,9 +8,9 @@ from anamorph.base.errors import AnamorphError
 from anamorph.base.progress import progress_bar
 from anamorph.base.steps import drain
 from anamorph.base.video import check_video
-from anamorph.files.cad import FaceChoice
 from anamorph.files.opening import open_scene
 from anamorph.files.scene_file import Settings
+from anamorph.files.source import FaceChoice
 from anamorph.methods import parse
 from anamorph.scene.camera import Camera
 from anamorph.scene.model import Scene

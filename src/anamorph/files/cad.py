@@ -19,34 +19,15 @@ import numpy as np
 
 from anamorph.base.errors import AnamorphError, nearest
 from anamorph.files.reading import read
+from anamorph.files.source import FaceChoice
 from anamorph.files.trimming import TrimCurve, tessellate
 from anamorph.scene.model import Diffuse, Material, Mesh
 from anamorph.scene.normals import has_area
 from anamorph.surfaces.nurbs import NurbsSurface
 
 SUFFIXES = (".step", ".stp", ".iges", ".igs")
-DENSITY = 24
 MOST_DENSE = 1000
 PROGRAM = Path(__file__).with_name("opencascade.py")
-
-
-@dataclass(frozen=True)
-class FaceChoice:
-    """Which faces of a CAD file are wanted, and how fine.
-
-    Parameters
-    ----------
-    faces : tuple of int or str
-        Numbers from 1 in the file's order, and names of faces or bodies (* stands for any letters); all where empty.
-    density : int
-        Cells along the longer side of each face, and to a full turn of its normal.
-    flip : bool
-        Whether the other side of each face is its outside: CAD programs turn the faces of a sheet as they like.
-    """
-
-    faces: tuple[int | str, ...] = ()
-    density: int = DENSITY
-    flip: bool = False
 
 
 @dataclass(frozen=True, eq=False)
@@ -77,7 +58,7 @@ class CadFace:
         """The same face with its other side outside."""
         return replace(self, surface=replace(self.surface, sign=-self.surface.sign))
 
-    def mesh(self, density: int = DENSITY, material: Material | None = None) -> Mesh:
+    def mesh(self, density: int = FaceChoice.density, material: Material | None = None) -> Mesh:
         """Triangles on the face; `density` as in `FaceChoice`."""
         parameters, faces = tessellate(self.surface, self.curves, density)
         exact = self.surface.position(parameters)
@@ -98,7 +79,7 @@ class CadFace:
 
 
 def load_cad(path: str | Path, choice: FaceChoice | None = None, material: Material | None = None) -> tuple[Mesh, ...]:
-    """The chosen faces of a STEP or IGES file as meshes, in metres; matt unless a material is given."""
+    """The chosen faces of a STEP or IGES file as meshes, in metres; diffuse unless a material is given."""
     choice = choice or FaceChoice()
     return meshes_of(chosen_faces(path, choice), choice.density, str(path), material)
 

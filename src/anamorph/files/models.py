@@ -21,8 +21,9 @@ import trimesh
 from anamorph.base.errors import AnamorphError, nearest
 from anamorph.files import cad
 from anamorph.files.gltf import Gltf, read_gltf
-from anamorph.files.looks import look
+from anamorph.files.materials import appearance
 from anamorph.files.reading import Folder, as_utf8, read
+from anamorph.files.source import FaceChoice
 from anamorph.scene.checks import check_triangles
 from anamorph.scene.model import Mesh, Texture
 from anamorph.scene.normals import creased, has_area, repaired
@@ -45,7 +46,7 @@ class Part:
     material: str = ""
 
 
-def load_model(path: str | Path, scale: float = 1.0, choice: cad.FaceChoice | None = None) -> tuple[Mesh, ...]:
+def load_model(path: str | Path, scale: float = 1.0, choice: FaceChoice | None = None) -> tuple[Mesh, ...]:
     """The meshes of a model file, in world coordinates.
 
     Parameters
@@ -61,7 +62,7 @@ def load_model(path: str | Path, scale: float = 1.0, choice: cad.FaceChoice | No
 
 
 def load_parts(
-    path: str | Path, scale: float = 1.0, choice: cad.FaceChoice | None = None, near: bool = False
+    path: str | Path, scale: float = 1.0, choice: FaceChoice | None = None, near: bool = False
 ) -> tuple[Part, ...]:
     """Like `load_model`, with the materials' names.
 
@@ -181,9 +182,9 @@ def _part(
     # Whether the file itself brought normals shows only in trimesh's cache: asking for them computes them.
     cache = geometry._cache
     normals = np.asarray(cache["vertex_normals"], float) if "vertex_normals" in cache else None
-    material, material_name, texcoords, colors = look(where, geometry, gltf, textures)
+    material, material_name, texcoords, colors = appearance(where, geometry, gltf, textures)
     if geometry.visual.kind == "face":
-        # One colour a face: each face gets vertices of its own, and `look` has given each of them its colour.
+        # One colour a face: each face gets vertices of its own, and `appearance` has given each of them its colour.
         positions, normals = positions[faces].reshape(-1, 3), None if normals is None else normals[faces].reshape(-1, 3)
         faces = np.arange(len(positions)).reshape(-1, 3)
 

@@ -1,4 +1,7 @@
-"""Whatever names a scene - a built-in, a scene file, a model file - as a scene that can be drawn."""
+"""Whatever names a scene - a built-in, a scene file, a model file - as a scene that can be drawn.
+
+A scene file may start from anything that can be opened: that is opened first, then the file's tables change it.
+"""
 
 from __future__ import annotations
 
@@ -7,20 +10,19 @@ from pathlib import Path
 from anamorph import gallery
 from anamorph.base.errors import AnamorphError, nearest
 from anamorph.files import cad
-from anamorph.files.cad import FaceChoice, chosen_faces
-from anamorph.files.framing import stand_before_mirror
+from anamorph.files.cad import chosen_faces
+from anamorph.files.model_scene import stand_before_mirror
 from anamorph.files.models import SUFFIXES, load_parts
-from anamorph.files.placing import replace_mirror
-from anamorph.files.scene_file import Settings, load_scene_file
+from anamorph.files.own_mirror import replace_mirror
+from anamorph.files.scene_file import Settings, scene_from, start_of
+from anamorph.files.source import FaceChoice, Source
+from anamorph.files.tables import Table, read_tables
 from anamorph.scene.checks import check_scene
 from anamorph.scene.model import Scene
 
 
 def open_scene(
-    source: str | Path,
-    choice: FaceChoice | None = None,
-    mirror_of: str | Path | None = None,
-    above: tuple[Path, ...] = (),
+    source: str | Path, choice: FaceChoice | None = None, mirror_of: str | Path | None = None
 ) -> tuple[Scene, Settings]:
     """The scene, checked, and how it wants to be drawn.
 
@@ -32,34 +34,51 @@ def open_scene(
         Which faces of a CAD file, and how fine.
     mirror_of : str or Path, optional
         A scene whose mirror the CAD file `source` replaces.
-    above : tuple of Path
-        The scene files that start from this one.
     """
-    path = Path(source)
+    return _opened(Source(source, choice, mirror_of), ())
+
+
+def scene_in(top: Table, above: tuple[Path, ...] = ()) -> tuple[Scene, Settings]:
+    """The scene that the tables of a scene file describe, with what it starts from.
+
+    `above` are the scene files that start from this one.
+    """
+    start, above = start_of(top), (*above, top.path.resolve())
+    if start is None:
+        return scene_from(top, None, Settings())
+    for key, named in (("base", start.name), ("mirror_of", start.mirror_of)):
+        if isinstance(named, Path) and named.resolve() in above:
+            top.wrong(key, f"{key} names '{top.text(key)}', which starts from this file itself; name another")
+    return scene_from(top, *_opened(start, above))
+
+
+def _opened(source: Source, above: tuple[Path, ...]) -> tuple[Scene, Settings]:
+    name, choice = str(source.name), source.choice
+    path = Path(name)
     suffix = path.suffix.lower()
-    if suffix not in cad.SUFFIXES and (choice or mirror_of):
+    if suffix not in cad.SUFFIXES and (choice or source.mirror_of):
         raise AnamorphError(
-            f"{source}: --scene, --faces, --density and --flip are for CAD files ({', '.join(cad.SUFFIXES)}); "
+            f"{name}: --scene, --faces, --density and --flip are for CAD files ({', '.join(cad.SUFFIXES)}); "
             "leave them out"
         )
-    if mirror_of:
-        scene, settings = open_scene(mirror_of, above=above)
+    if source.mirror_of:
+        scene, settings = _opened(Source(source.mirror_of), above)
         choice = choice or FaceChoice()
-        return check_scene(replace_mirror(scene, chosen_faces(path, choice), choice.density, str(path))), settings
-    if str(source) in gallery.names():
-        return check_scene(gallery.make(str(source))), Settings(method=gallery.SCENES[str(source)].method)
+        return check_scene(replace_mirror(scene, chosen_faces(path, choice), choice.density, name)), settings
+    if name in gallery.names():
+        return check_scene(gallery.make(name)), Settings(method=gallery.SCENES[name].method)
     if suffix == ".toml":
-        return load_scene_file(path, above)
+        return scene_in(read_tables(path), above)
     if suffix in SUFFIXES:
         meshes = tuple(part.mesh for part in load_parts(path, choice=choice, near=True))
         return check_scene(stand_before_mirror(meshes, path.stem)), Settings()
     if path.is_file():
         raise AnamorphError(
-            f"{source}: is no scene file and no known model; give one that ends in .toml, {', '.join(SUFFIXES)}"
+            f"{name}: is no scene file and no known model; give one that ends in .toml, {', '.join(SUFFIXES)}"
             f"{nearest(suffix, ('.toml', *SUFFIXES))}"
         )
     known = gallery.names()
     raise AnamorphError(
-        f"'{source}' is no scene{nearest(str(source), known)} (built in: {', '.join(known)}); "
+        f"'{name}' is no scene{nearest(name, known)} (built in: {', '.join(known)}); "
         f"or give a .toml scene file or a model ({', '.join(SUFFIXES)})"
     )

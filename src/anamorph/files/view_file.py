@@ -18,21 +18,11 @@ from anamorph import gallery
 from anamorph.base.errors import AnamorphError
 from anamorph.base.output import check_output, save_text
 from anamorph.editing.edit import Edit
-from anamorph.files.cad import FaceChoice
 from anamorph.files.models import Part
-from anamorph.files.opening import open_scene
-from anamorph.files.scene_file import (
-    BASE,
-    EDIT,
-    Settings,
-    base_of,
-    choice_of,
-    edit_of,
-    eye_of,
-    mirror_of,
-    scene_of,
-    selected,
-)
+from anamorph.files.opening import open_scene, scene_in
+from anamorph.files.part_tables import EDIT, edit_of, selected
+from anamorph.files.scene_file import BASE, Settings, eye_of, start_of
+from anamorph.files.source import FaceChoice, Source
 from anamorph.files.tables import Table, read_tables
 from anamorph.files.toml import toml_text
 from anamorph.scene.camera import Camera
@@ -41,15 +31,6 @@ from anamorph.scene.model import Scene
 from anamorph.scene.parts import specular_parts
 
 OF_A_VIEW = ("name", *BASE, "size", "method", "part", "eye", "view")
-
-
-@dataclass(frozen=True)
-class Source:
-    """What a scene was opened from, as `open_scene` takes it."""
-
-    name: str | Path
-    choice: FaceChoice | None = None
-    mirror_of: str | Path | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -95,17 +76,15 @@ def _opened(top: Table) -> Opened | None:
         return None
     # The changes may be what puts the saved eye before its mirror: the scene alone is checked with its own.
     bare = {key: value for key, value in top.values.items() if key not in ("part", "eye")}
-    scene, settings = scene_of(replace(top, values=bare))
+    scene, settings = scene_in(replace(top, values=bare))
     for table in tables:
         selected([Part(mesh) for mesh in scene.meshes], table)
     edits = {_unescaped(table.text("name")): edit_of(table) for table in tables}
     if len(edits) < len(tables) or not edits.keys() <= specular_parts(scene.meshes).keys():
         return None
-    base = base_of(top)
-    source = Source(base, choice_of(top), mirror_of(top)) if base is not None else None
     camera = eye_of(top, scene)
     check_camera(camera, f"{top.path}: eye")
-    return Opened(scene, settings, camera, edits, source)
+    return Opened(scene, settings, camera, edits, start_of(top))
 
 
 def _only_edits(table: Table) -> bool:

@@ -7,8 +7,9 @@ from pathlib import Path
 
 from anamorph.base.errors import AnamorphError
 from anamorph.files.scene_file import Settings
-from anamorph.files.sources import source_in
-from anamorph.files.view_file import Opened, Source, open_view
+from anamorph.files.source import Source
+from anamorph.files.source_words import source_in
+from anamorph.files.view_file import Opened, open_view
 from anamorph.methods import METHODS, parse
 from anamorph.scene.camera import Camera
 from anamorph.scene.checks import check_scene

@@ -4,13 +4,10 @@ from __future__ import annotations
 
 import argparse
 import shlex
-from typing import TYPE_CHECKING, NoReturn
+from typing import NoReturn
 
 from anamorph.base.errors import AnamorphError
-
-if TYPE_CHECKING:
-    from anamorph.files.cad import FaceChoice
-    from anamorph.files.view_file import Source
+from anamorph.files.source import FaceChoice, Source
 
 
 class Parser(argparse.ArgumentParser):
@@ -33,8 +30,6 @@ def add_cad_options(parser: argparse.ArgumentParser) -> None:
 
 def face_choice(arguments: argparse.Namespace) -> FaceChoice | None:
     """What `add_cad_options` has taken of the faces of a CAD file; None where nothing is said."""
-    from anamorph.files.cad import FaceChoice
-
     said = {"faces": arguments.faces, "density": arguments.density, "flip": arguments.flip or None}
     said = {name: value for name, value in said.items() if value is not None}
     return FaceChoice(**said) if said else None
@@ -42,8 +37,6 @@ def face_choice(arguments: argparse.Namespace) -> FaceChoice | None:
 
 def source_in(words: str) -> Source:
     """A scene's name and its CAD options in one text, quoted as for a shell: as they stand after `anamorph view`."""
-    from anamorph.files.view_file import Source
-
     parser = Parser(prog="anamorph view", add_help=False, allow_abbrev=False)
     parser.add_argument("scene", metavar="SCENE|MODEL")
     add_cad_options(parser)

@@ -1,4 +1,4 @@
-"""The looks of a model file's parts: material, texture coordinates and vertex colours.
+"""What the parts of a model file look like: material, texture coordinates and vertex colours.
 
 A glTF factor or vertex colour is linear by its specification. The bytes in PLY, STL and OBJ files, and Kd in an MTL
 file, have no such rule: they are what the programs that wrote them put on a screen unchanged, so they are taken as
@@ -18,7 +18,7 @@ from anamorph.files.reading import to_texture
 from anamorph.scene.model import WHITE, Color, Diffuse, Texture
 
 
-def look(
+def appearance(
     where: str, geometry: Any, gltf: Gltf | None, textures: dict[int, Texture]
 ) -> tuple[Diffuse, str, np.ndarray | None, np.ndarray | None]:
     """What a trimesh geometry looks like; `textures` remembers images that several parts share.

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ast
 import fnmatch
+import graphlib
 import re
 import tomllib
 from pathlib import Path
@@ -23,6 +24,11 @@ ORDER = (
 ON_TOP = {"__init__", "__main__"}
 """What may import anything, and what nothing below imports."""
 
+LOWEST = ("base", "surfaces", "scene")
+
+NOT_BELOW = {"argparse", "OCP", "embreex", "wgpu", "rendercanvas", "imgui_bundle", "uvicorn"}
+"""The command line, CAD, rays and the viewer: the lowest rooms know nothing of them."""
+
 METHODS = ("raytrace", "environment", "pervertex", "trilinear")
 
 ACROSS = {("environment", "pervertex")}
@@ -39,15 +45,20 @@ def room(path: Path) -> str:
     return path.relative_to(PACKAGE).parts[0].removesuffix(".py")
 
 
-def imported_places(source: str) -> set[tuple[str, ...]]:
-    """What of this package a module's source imports, anywhere in it, as the parts of its dotted name."""
+def imported_names(source: str) -> set[str]:
+    """What a module's source imports, anywhere in it, by dotted names."""
     names: set[str] = set()
     for node in ast.walk(ast.parse(source)):
         if isinstance(node, ast.Import):
             names |= {alias.name for alias in node.names}
         elif isinstance(node, ast.ImportFrom) and node.level == 0 and node.module:
             names |= {f"{node.module}.{alias.name}" for alias in node.names}
-    return {tuple(name.split(".")[1:]) for name in names if name.startswith("anamorph.")}
+    return names
+
+
+def imported_places(source: str) -> set[tuple[str, ...]]:
+    """What of this package a module's source imports, anywhere in it, as the parts of its dotted name."""
+    return {tuple(name.split(".")[1:]) for name in imported_names(source) if name.startswith("anamorph.")}
 
 
 def imported_rooms(source: str) -> set[str]:
@@ -64,6 +75,24 @@ def test_a_module_imports_only_rooms_that_stand_before_its_own(module: Path) -> 
 
 def test_every_room_is_placed() -> None:
     assert {room(module) for module in MODULES} == set(ORDER) | ON_TOP
+
+
+@pytest.mark.parametrize("low", LOWEST)
+def test_the_lowest_rooms_know_neither_command_line_nor_cad_nor_viewer(low: str) -> None:
+    sources = [path.read_text() for path in (PACKAGE / low).rglob("*.py")]
+    assert {name.split(".")[0] for source in sources for name in imported_names(source)} & NOT_BELOW == set()
+
+
+def test_no_modules_import_each_other_in_a_circle() -> None:
+    """Imports inside functions count: they hide a circle, and do not open it."""
+    named = {path.relative_to(PACKAGE).with_suffix("").parts: path for path in MODULES if room(path) not in ON_TOP}
+    known = {parts[:-1] if parts[-1] == "__init__" else parts: path for parts, path in named.items()}
+    graph = {}
+    for own, path in known.items():
+        places = imported_places(path.read_text())
+        found = {place if place in known else place[:-1] for place in places}
+        graph[own] = (found & known.keys()) - {own}
+    graphlib.TopologicalSorter(graph).prepare()
 
 
 @pytest.mark.parametrize("method", METHODS)

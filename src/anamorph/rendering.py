@@ -23,15 +23,15 @@ Drawn = Callable[[int, int], None]
 """Told the shifted pictures that are drawn, and their number."""
 
 
-def draw_frame(view: View, specification: str, seen: bool = False, tell: Drawn = lambda done, total: None) -> Frame:
+def draw_frame(view: View, specification: str, seen: bool = False, report: Drawn = lambda done, total: None) -> Frame:
     """Draw one frame of `view` by the method and options that `specification` names."""
     method, options = parse(specification)
-    return accumulate(view, method.open(view, options), seen, tell)
+    return accumulate(view, method.open(view, options), seen, report)
 
 
-def accumulate(view: View, session: Session, seen: bool = False, tell: Drawn = lambda done, total: None) -> Frame:
+def accumulate(view: View, session: Session, seen: bool = False, report: Drawn = lambda done, total: None) -> Frame:
     """Average the shifted pictures that `view.samples` asks for; seen buffers are those of pixel centres."""
-    color = drain(averaging(session, view.camera, view.samples), lambda drawn: tell(*drawn))
+    color = drain(averaging(session, view.camera, view.samples), lambda drawn: report(*drawn))
     if not seen:
         return Frame(color, ray_mesh=isinstance(view.camera, RayMesh))
     if view.samples > 1:

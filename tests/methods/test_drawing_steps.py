@@ -17,7 +17,7 @@ from hypothesis import strategies as st
 import anamorph as an
 from anamorph.base import compiled, steps
 from anamorph.base.errors import AnamorphError
-from anamorph.base.steps import drain, retold, timed
+from anamorph.base.steps import drain, mapped, timed
 from anamorph.frame import Frame, View
 from anamorph.gallery import make
 from anamorph.gpu.recording import Recorder
@@ -258,7 +258,7 @@ def counting(ended: list[str]) -> Generator[int, None, str]:
 def test_steps_in_other_words_and_timed_end_when_they_are_left(monkeypatch: pytest.MonkeyPatch) -> None:
     seconds = 0.0
     monkeypatch.setattr(steps, "perf_counter", lambda: seconds)
-    for outer in (timed, lambda inner: retold(inner, str)):
+    for outer in (timed, lambda inner: mapped(inner, str)):
         ended: list[str] = []
         # That nobody else holds the inner steps must not be what ends them.
         inner = counting(ended)

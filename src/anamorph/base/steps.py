@@ -14,29 +14,31 @@ Step = tuple[int, int, str]
 """The steps done, their number, and what is being done now."""
 
 Yielded = TypeVar("Yielded")
-Told = TypeVar("Told")
+Changed = TypeVar("Changed")
 Result = TypeVar("Result")
 
 
-def drain(steps: Generator[Yielded, None, Result], tell: Callable[[Yielded], object] = lambda step: None) -> Result:
-    """What the work returns in the end; `tell` is told what it yields on the way."""
+def drain(steps: Generator[Yielded, None, Result], report: Callable[[Yielded], object] = lambda step: None) -> Result:
+    """What the work returns in the end; `report` takes what it yields on the way."""
     while True:
         try:
             step = next(steps)
         except StopIteration as end:
             return end.value
-        tell(step)
+        report(step)
 
 
-def retold(steps: Generator[Yielded, None, Result], told: Callable[[Yielded], Told]) -> Generator[Told, None, Result]:
-    """The same work in the words of the longer one that it is part of: yields what `told` makes of its steps."""
+def mapped(
+    steps: Generator[Yielded, None, Result], change: Callable[[Yielded], Changed]
+) -> Generator[Changed, None, Result]:
+    """The same work as part of a longer one: yields what `change` makes of its steps."""
     with closing(steps):
         while True:
             try:
                 step = next(steps)
             except StopIteration as end:
                 return end.value
-            yield told(step)
+            yield change(step)
 
 
 def timed(steps: Generator[Yielded, None, Result]) -> Generator[Yielded, None, tuple[Result, float]]:

@@ -1,4 +1,4 @@
-"""What the command `anamorph` can be told: its commands, their options, and the types of these."""
+"""The command line of `anamorph`: its commands, their options, and the types of these."""
 
 from __future__ import annotations
 

@@ -13,20 +13,20 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from anamorph.base.errors import AnamorphError
+from anamorph.base.logs import show_errors_of_libraries, silence_libraries
 from anamorph.base.output import PICTURES, check_directory, check_output, save_array, save_text
 from anamorph.base.progress import progress_bar
-from anamorph.base.quiet import heed, hush
 from anamorph.base.versions import versions
 from anamorph.cli.arguments import make_parser
 from anamorph.files.source_words import face_choice
 
 NOTEWORTHY = 0.005
-"""The share of a picture's mirrors without an answer that a user is told of."""
+"""The share of a picture's mirrors without an answer that is reported to a user."""
 
 
 def main(argv: Sequence[str] | None = None) -> int:
     """Run one command and return the exit code: 0, 2 for what the user can mend, 130 when interrupted."""
-    hush()
+    silence_libraries()
     given = list(sys.argv[1:] if argv is None else argv)
     try:
         arguments = make_parser().parse_args(given)
@@ -78,7 +78,7 @@ def _render(arguments: argparse.Namespace) -> None:
     if arguments.method:
         parse(arguments.method)
     what = f"rendering {arguments.scene}"
-    with progress_bar(what) as tell:
+    with progress_bar(what) as report:
         scene, settings = open_scene(arguments.scene, face_choice(arguments), arguments.mirror_of)
         size = arguments.size or settings.size
         view = View(scene, scene.camera, size, samples=arguments.samples)
@@ -90,7 +90,7 @@ def _render(arguments: argparse.Namespace) -> None:
             specification = with_option(specification, "tolerance", arguments.tolerance)
 
         def drawn(done: int, total: int) -> None:
-            tell(done, total, f"{what}, picture {done} of {total}" if total > 1 else what)
+            report(done, total, f"{what}, picture {done} of {total}" if total > 1 else what)
 
         frame = draw_frame(view, specification, True, drawn)
     frame.save(arguments.output)
@@ -121,7 +121,7 @@ def _compare(arguments: argparse.Namespace) -> None:
 
     for spec in arguments.method or ():
         parse(spec)
-    with progress_bar(f"opening {arguments.scene}") as tell:
+    with progress_bar(f"opening {arguments.scene}") as report:
         scene, settings = open_scene(arguments.scene, face_choice(arguments), arguments.mirror_of)
         size = arguments.size or settings.size
         able = [name for name, method in METHODS.items() if method.refracts or not scene.refracts]
@@ -129,7 +129,7 @@ def _compare(arguments: argparse.Namespace) -> None:
         for number, spec in enumerate(specs):
             if arguments.tolerance is not None and hasattr(parse(spec)[0].options, "tolerance"):
                 specs[number] = with_option(spec, "tolerance", arguments.tolerance)
-        comparison = compare(scene, specs, size, command=arguments.command_line, progress=tell)
+        comparison = compare(scene, specs, size, command=arguments.command_line, progress=report)
     if arguments.json:
         save_text(arguments.json, comparison.to_json())
     if arguments.html:
@@ -148,14 +148,14 @@ def _view(arguments: argparse.Namespace) -> None:
     with progress_bar(f"opening {arguments.scene}"):
         source = Source(arguments.scene, face_choice(arguments), arguments.mirror_of)
         beginning = start(source, arguments.method)
-    heed("uvicorn")
+    show_errors_of_libraries("uvicorn")
     show(beginning, arguments.backend, arguments.port, arguments.size)
 
 
 def _turntable(arguments: argparse.Namespace) -> None:
     from anamorph.cli.turntable import save_turntable
 
-    told = save_turntable(
+    summary = save_turntable(
         arguments.scene,
         arguments.output,
         arguments.method,
@@ -167,7 +167,7 @@ def _turntable(arguments: argparse.Namespace) -> None:
         choice=face_choice(arguments),
         mirror_of=arguments.mirror_of,
     )
-    print(told)
+    print(summary)
 
 
 def _bench_deforming(arguments: argparse.Namespace) -> None:
@@ -179,12 +179,12 @@ def _bench_deforming(arguments: argparse.Namespace) -> None:
     for spec in arguments.method or ():
         parse(spec)
     what = "timing deforming"
-    with progress_bar(what) as tell:
+    with progress_bar(what) as report:
         times = time_deforming(
             arguments.method or DEFAULT,
             arguments.size or DEFAULT_SIZE,
             arguments.frames,
-            lambda done, total: tell(done, total, what),
+            lambda done, total: report(done, total, what),
         )
     print_table(deforming_table(times))
 
@@ -196,9 +196,9 @@ def _bench_trilinear(arguments: argparse.Namespace) -> None:
     from anamorph.measure.table import print_table
 
     check_directory(arguments.output)
-    with progress_bar("timing trilinear projection") as tell:
+    with progress_bar("timing trilinear projection") as report:
         extent = QUICK if arguments.quick else FULL
-        results = measure_thesis(arguments.method, extent, arguments.part or PARTS, tell)
+        results = measure_thesis(arguments.method, extent, arguments.part or PARTS, report)
     written = write_results(results, arguments.output)
     for table in summary_tables(results):
         print_table(table)
@@ -229,8 +229,8 @@ def _demo(arguments: argparse.Namespace) -> None:
     from anamorph.cli.demo import make_demo
     from anamorph.measure.table import comparison_table, print_table
 
-    with progress_bar("starting") as tell:
-        comparison = make_demo(arguments.output, arguments.command_line, tell)
+    with progress_bar("starting") as report:
+        comparison = make_demo(arguments.output, arguments.command_line, report)
     print_table(comparison_table(comparison))
     print(f"Pictures and the page are in {arguments.output}; open {arguments.output / 'index.html'}")
 
@@ -252,8 +252,8 @@ def _remedy(specification: str, ended: bool) -> str:
 
 def _shares(shares: dict[str, float]) -> str:
     """How the pixels of mirrors and lenses got their value, in one line."""
-    told = ", ".join(f"{status} {share:.1f} %" for status, share in shares.items())
-    return f"pixels of mirrors and lenses: {told or 'none'}"
+    shown = ", ".join(f"{status} {share:.1f} %" for status, share in shares.items())
+    return f"pixels of mirrors and lenses: {shown or 'none'}"
 
 
 def _check_distinct(*paths: Path) -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from anamorph.base.output import save_text
-from anamorph.base.progress import Tell
+from anamorph.base.progress import Report
 from anamorph.files.opening import open_scene
 from anamorph.files.scene_file import DEFAULT_SIZE
 from anamorph.frame import View
@@ -23,7 +23,7 @@ PICTURES = {
 """The methods that are measured, at one sample a pixel, and how each is best drawn: its options, and samples a side."""
 
 
-def make_demo(directory: Path, command: str, progress: Tell) -> Comparison:
+def make_demo(directory: Path, command: str, progress: Report) -> Comparison:
     """Compare the methods and write `index.html` and a PNG of each into `directory`, which is made if need be."""
     directory.mkdir(parents=True, exist_ok=True)
     progress(0, 1, f"making the scene {SCENE}")

@@ -33,7 +33,7 @@ def save_turntable(
     choice: FaceChoice | None = None,
     mirror_of: str | None = None,
 ) -> str:
-    """Save it with a progress bar; returns what to tell of it.
+    """Save it with a progress bar; returns what to report of it.
 
     With `path`, the eye goes through the views that the viewer remembered and the scene file keeps. Other parameters
     as for `orbit`, `between`, `turntable` and `open_scene`.
@@ -43,16 +43,16 @@ def save_turntable(
     check_video(output, size or (1, 1))
     if path and swing is not None:
         raise AnamorphError(f"swing is {swing:g}, and a path has none; leave out one of both")
-    with progress_bar(f"opening {source}") as tell:
+    with progress_bar(f"opening {source}") as report:
         scene, settings = open_scene(source, choice, mirror_of)
 
-        def told(step: Progress) -> None:
-            tell(step.done, step.total, step.what)
+        def report_step(step: Progress) -> None:
+            report(step.done, step.total, step.what)
 
         cameras = _path(source, settings, frames) if path else _orbit(scene, frames, swing)
         specification = method or settings.method
         steps = turntable(output, scene, specification, cameras, size or settings.size, samples, rate)
-        return drain(steps, told)
+        return drain(steps, report_step)
 
 
 def _orbit(scene: Scene, frames: int | None, swing: float | None) -> list[Camera]:

@@ -1,4 +1,4 @@
-"""The header of a glTF file: what trimesh does not tell about materials and names.
+"""The header of a glTF file: what trimesh leaves out of materials and names.
 
 Format: glTF 2.0 specification, sections 3 (concepts), 4 (GLB container), and KHR_texture_transform.
 """

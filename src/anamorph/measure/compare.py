@@ -7,7 +7,7 @@ from collections.abc import Callable, Generator, Sequence
 from dataclasses import asdict, dataclass, replace
 from typing import Any
 
-from anamorph.base.steps import Step, drain, retold
+from anamorph.base.steps import Step, drain, mapped
 from anamorph.base.versions import versions
 from anamorph.files.scene_file import DEFAULT_SIZE
 from anamorph.frame import Frame, View
@@ -174,12 +174,12 @@ def comparison_steps(
     # Under a name that no method has.
     timed = {name: sessions[name] for name in names} | _without_mirrors(view)
 
-    def told(turn: tuple[int, int]) -> Step:
+    def as_step(turn: tuple[int, int]) -> Step:
         done, rounds = turn
         step = len(names) + 1 + len(names) * done // rounds
         return step, total, f"frame times, round {done} of {rounds}"
 
-    timings = yield from retold(timing_rounds(timed, eye_path(scene, frames), frames), told)
+    timings = yield from mapped(timing_rounds(timed, eye_path(scene, frames), frames), as_step)
     return Comparison(
         scene=scene.name,
         size=size,

@@ -89,11 +89,11 @@ def _section(comparison: Comparison, result: MethodResult) -> str:
         ),
     )
     shares = status_shares(result.frame, maps.specular)
-    told = ", ".join(f"{escape(status)} {number(share)} %" for status, share in shares.items()) or "not told"
+    listed = ", ".join(f"{escape(status)} {number(share)} %" for status, share in shares.items()) or "not reported"
     return (
         f'<section aria-label="{name}"><h2>{_breakable(result.name)}</h2>\n'
         f'<div class="three">{"".join(figures)}</div>\n'
-        f"<p>How the pixels that look at a specular surface got their value: {told}.</p></section>"
+        f"<p>How the pixels that look at a specular surface got their value: {listed}.</p></section>"
     )
 
 

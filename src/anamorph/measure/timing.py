@@ -57,7 +57,7 @@ def time_in_turn(
 ) -> dict[str, Timing]:
     """Time sessions side by side: each draws a frame from one camera before any goes on to the next.
 
-    What else the machine does thus falls on all of them alike. `progress` is told the rounds done, and their number.
+    What else the machine does thus falls on all of them alike. `progress` takes the rounds done, and their number.
     """
     return drain(timing_rounds(sessions, cameras, minimum), lambda turn: progress(*turn) if progress else None)
 

@@ -10,7 +10,7 @@ from time import perf_counter
 
 import numpy as np
 
-from anamorph.base.steps import retold, timed
+from anamorph.base.steps import mapped, timed
 from anamorph.frame import Frame
 from anamorph.scene.camera import Camera
 from anamorph.scene.model import Scene
@@ -200,7 +200,7 @@ class Showing:
             self._of_pictures[names] = fluency.after(spent)
         if any(half.layer != Layer.PICTURE for half in self._detailed.halves):
             layers = self._layering(scaled(self._pictured.size, self._of_layers.scale))
-            _, seconds = yield from timed(retold(layers, _within))
+            _, seconds = yield from timed(mapped(layers, _within))
             self._of_layers = self._of_layers.after(1e3 * seconds)
             self.frames, self.measured = {}, {}
             spent += 1e3 * seconds
@@ -214,7 +214,7 @@ class Showing:
         assert self._pictured is not None
         methods = dict.fromkeys(self._pictured.methods)
         for method in methods:
-            yield from retold(self._of(method).drawing(self._pictured.camera, size), _within)
+            yield from mapped(self._of(method).drawing(self._pictured.camera, size), _within)
         for method in methods:
             self._of(method).wait()
         self.picture = size
@@ -228,7 +228,7 @@ class Showing:
         for step in (*between, size):
             if self.picture[0] < step[0]:
                 for method in methods:
-                    yield from retold(self._of(method).drawing(camera, step), _within)
+                    yield from mapped(self._of(method).drawing(camera, step), _within)
                     yield True
                 self.picture = step
         self.at_rest = True
@@ -236,7 +236,7 @@ class Showing:
         # Those are in the mean already that were drawn before something was asked for that moves nothing.
         for shift in shifts(self._pictured.samples)[self.samples_done :]:
             for method in methods:
-                yield from retold(self._of(method).refining(camera, size, shift), _within)
+                yield from mapped(self._of(method).refining(camera, size, shift), _within)
             # None counts for one half and not for the other, whenever this is left.
             for method in methods:
                 self._of(method).refine()
@@ -251,7 +251,7 @@ class Showing:
         compared = [half.method for half in halves if half.layer == Layer.ERROR or picked]
         for method in dict.fromkeys([*seen, *([TRUTH] if compared else [])]):
             if method not in self.frames:
-                frame = yield from retold(self._of(method).seeing(self._pictured.camera, size), _within)
+                frame = yield from mapped(self._of(method).seeing(self._pictured.camera, size), _within)
                 if frame is not None:
                     self.frames[method] = frame
                 yield True

@@ -12,7 +12,7 @@ from scipy.spatial.transform import Rotation
 
 from anamorph.base.errors import AnamorphError
 from anamorph.base.output import to_pixels
-from anamorph.base.steps import retold
+from anamorph.base.steps import mapped
 from anamorph.base.video import MOST_FRAMES, check_video, video
 from anamorph.frame import View
 from anamorph.methods import parse
@@ -153,7 +153,7 @@ def turntable(
     with video(path, size, rate) as add:
         for number, camera in enumerate(cameras):
             told = partial(_told, f"frame {number + 1} of {len(cameras)}", number * samples**2, total)
-            add(to_pixels((yield from retold(averaging(session, camera, samples), told))))
+            add(to_pixels((yield from mapped(averaging(session, camera, samples), told))))
     return saved(path)
 
 

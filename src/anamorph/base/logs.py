@@ -1,4 +1,4 @@
-"""Keeping libraries' own messages off the user's terminal."""
+"""What libraries log and warn about of their own: kept off the user's terminal, unless nothing else reports it."""
 
 from __future__ import annotations
 
@@ -6,16 +6,16 @@ import logging
 import warnings
 
 
-def hush() -> None:
+def silence_libraries() -> None:
     """Silence what libraries log and warn about themselves; what matters to a user arrives as an AnamorphError."""
     logging.disable(logging.CRITICAL)
     warnings.simplefilter("ignore")
 
 
-def heed(*loggers: str) -> None:
-    """Let libraries log errors after all, and these also warnings: what runs until its user ends it has no better way.
+def show_errors_of_libraries(*loggers: str) -> None:
+    """Let libraries log errors after all, and `loggers` also warnings.
 
-    Nobody else tells of an error in a callback.
+    A program that runs until its user ends it needs this: nobody else reports an error in a callback.
     """
     logging.root.setLevel(logging.ERROR)
     for name in loggers:

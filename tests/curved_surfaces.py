@@ -6,7 +6,7 @@ import numpy as np
 
 from anamorph.gallery.shapes import lattice
 from anamorph.scene.model import Mesh, Mirror
-from anamorph.scene.normals import doubled_areas, has_area
+from anamorph.scene.triangles import doubled_areas, has_area
 from anamorph.surfaces.bezier import BezierPatch
 from anamorph.surfaces.nurbs import NurbsSurface
 

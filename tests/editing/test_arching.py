@@ -102,7 +102,7 @@ def test_a_mirror_keeps_its_outline_and_its_rearmost_vertex_and_its_surface_stay
     (changed,) = arched((mesh,), curvature)
     assert changed is mesh or share
     np.testing.assert_allclose(changed.surface.position(changed.parameters), changed.positions, atol=2e-7)
-    right, up, outward = arch.frame.axes
+    right, up, outward = arch.pose.axes
     for axis in (right, up):
         np.testing.assert_allclose((changed.positions - mesh.positions.astype(float)) @ axis, 0.0, atol=3e-7)
     heights = [each.positions.astype(float) @ outward for each in (mesh, changed)]

@@ -18,9 +18,10 @@ from PIL import Image
 
 from anamorph.base.errors import AnamorphError
 from anamorph.files.models import load_model, load_parts
+from anamorph.files.normals import creased
 from anamorph.files.opening import open_scene
 from anamorph.scene.model import Diffuse, Mesh
-from anamorph.scene.normals import creased, has_area
+from anamorph.scene.triangles import has_area
 
 SAMPLES = Path("/usr/share/assimp/models")
 needs_samples = pytest.mark.skipif(not SAMPLES.is_dir(), reason="Debian's assimp-testmodels is not installed")

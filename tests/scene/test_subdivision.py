@@ -15,8 +15,8 @@ from anamorph.base.errors import AnamorphError
 from anamorph.gallery.spheres import mirror_ball
 from anamorph.gallery.teapot import teapot
 from anamorph.scene.model import Mesh, Mirror
-from anamorph.scene.normals import doubled_areas, has_area
 from anamorph.scene.subdivision import split, subdivided
+from anamorph.scene.triangles import doubled_areas, has_area
 from anamorph.surfaces.even_asphere import EvenAsphere
 from anamorph.surfaces.sphere import Sphere
 from anamorph.surfaces.toroid import Toroid

@@ -31,13 +31,13 @@ class Arch:
 
     Parameters
     ----------
-    frame : Pose
+    pose : Pose
         The middle of the mirror, and its axes.
     limit : float
         What may sensibly be added to the curvature, to both sides, 1/m.
     """
 
-    frame: Pose
+    pose: Pose
     limit: float
 
 
@@ -49,9 +49,9 @@ def arch_of(meshes: Sequence[Mesh]) -> Arch | None:
     if outward is None or min((np.asarray(mesh.normals, float) @ outward).min() for mesh in meshes) < LEAST_FACING:
         return None
     axes = upright_axes(outward, WORLD_UP)
-    frame = Pose(box_middle(meshes, axes), axes)
-    reach = max(float(np.linalg.norm(_local(mesh, frame)[:, :2], axis=1).max()) for mesh in meshes)
-    return Arch(frame, COMFORTABLE / reach)
+    pose = Pose(box_middle(meshes, axes), axes)
+    reach = max(float(np.linalg.norm(_local(mesh, pose)[:, :2], axis=1).max()) for mesh in meshes)
+    return Arch(pose, COMFORTABLE / reach)
 
 
 def arched(meshes: tuple[Mesh, ...], curvature: float) -> tuple[Mesh, ...]:
@@ -69,23 +69,23 @@ def arched(meshes: tuple[Mesh, ...], curvature: float) -> tuple[Mesh, ...]:
         return meshes
     while sum(len(mesh.faces) for mesh in meshes) < LEAST_TRIANGLES:
         meshes = tuple(subdivided(mesh, 1) for mesh in meshes)
-    frame, outward = arch.frame, arch.frame.axes[2]
-    x, y, before = np.concatenate([_local(mesh, frame) for mesh in meshes]).T
-    lifted = frame.center + rise(before, before - curvature * (x**2 + y**2) / 2.0) * outward
+    pose, outward = arch.pose, arch.pose.axes[2]
+    x, y, before = np.concatenate([_local(mesh, pose) for mesh in meshes]).T
+    lifted = pose.center + rise(before, before - curvature * (x**2 + y**2) / 2.0) * outward
     changed = []
     for mesh in meshes:
         assert isinstance(mesh.surface, BezierPatch | NurbsSurface) and mesh.parameters is not None
-        surface = arched_surface(mesh.surface, frame, curvature)
-        surface = replace(surface, poles=surface.poles + (lifted - frame.center))
+        surface = arched_surface(mesh.surface, pose, curvature)
+        surface = replace(surface, poles=surface.poles + (lifted - pose.center))
         changed.append(on_surface(mesh, surface, mesh.parameters, outward))
     return tuple(changed)
 
 
-def arched_surface(surface: BezierPatch | NurbsSurface, frame: Pose, curvature: float) -> NurbsSurface:
-    """The surface whose points are z - curvature (x^2 + y^2) / 2 high in `frame`, by the same parameters."""
+def arched_surface(surface: BezierPatch | NurbsSurface, pose: Pose, curvature: float) -> NurbsSurface:
+    """The surface whose points are z - curvature (x^2 + y^2) / 2 high in `pose`, by the same parameters."""
     if isinstance(surface, BezierPatch):
         surface = NurbsSurface(np.asarray(surface.control, float), np.ones((4, 4)), CLAMPED, CLAMPED, 3, 3)
-    local = (surface.poles - frame.center) @ frame.axes.T
+    local = (surface.poles - pose.center) @ pose.axes.T
     values = np.concatenate([local * surface.weights[..., None], surface.weights[..., None]], axis=-1)
     knots, solved = [], []
     for own, degree in ((surface.knots_u, surface.degree_u), (surface.knots_v, surface.degree_v)):
@@ -104,7 +104,7 @@ def arched_surface(surface: BezierPatch | NurbsSurface, frame: Pose, curvature: 
     except np.linalg.LinAlgError:
         raise AnamorphError("NURBS: is torn along a knot, and cannot be bent further; export it in pieces") from None
     weights = products[..., 3] if np.ptp(surface.weights) else np.full(products.shape[:2], surface.weights.flat[0] ** 2)
-    poles = frame.center + products[..., :3] / weights[..., None] @ frame.axes
+    poles = pose.center + products[..., :3] / weights[..., None] @ pose.axes
     return NurbsSurface(poles, weights, knots[0], knots[1], 2 * surface.degree_u, 2 * surface.degree_v, surface.sign)
 
 
@@ -121,7 +121,7 @@ def _free(mesh: Mesh) -> bool:
     return free and isinstance(mesh.material, Mirror)
 
 
-def _local(mesh: Mesh, frame: Pose) -> np.ndarray:
-    """The vertices, (V, 3) float64, in a frame."""
+def _local(mesh: Mesh, pose: Pose) -> np.ndarray:
+    """The vertices, (V, 3) float64, in a pose's axes."""
     assert mesh.surface is not None and mesh.parameters is not None
-    return (mesh.surface.position(mesh.parameters) - frame.center) @ frame.axes.T
+    return (mesh.surface.position(mesh.parameters) - pose.center) @ pose.axes.T

@@ -77,7 +77,7 @@ def bent(mesh: Mesh, curvature: float | None = None, cross_curvature: float | No
 
     It keeps its outline: each vertex stays where it was as seen along the middle's normal, and of a toroid or an
     asphere, which keep their other numbers, along their axis. As a blank before a board it sinks nowhere behind what
-    it hangs in: its rearmost vertex stays as deep as it was, on the rim of a convex mirror, in the middle of a hollow
+    it hangs in: its rearmost vertex stays as deep as it was, on the rim of a convex mirror, in the middle of a concave
     one. A flat mirror becomes a part of a sphere, with more vertices. A ball swells or shrinks about its centre.
 
     Parameters

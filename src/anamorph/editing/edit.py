@@ -76,11 +76,11 @@ def edit(meshes: tuple[Mesh, ...], by: Edit) -> tuple[Mesh, ...]:
     if not turned and not moved:
         return shaped
     # Along the axes of the part as it was, so that bending it neither turns nor moves it.
-    frame = part_pose(meshes, lens)
+    pose = part_pose(meshes, lens)
     swivel, tilt, roll = by.turn
     local = rotation((0.0, swivel, 0.0)) @ rotation((-tilt, 0.0, 0.0)) @ rotation((0.0, 0.0, roll))
-    turn = frame.axes.T @ local @ frame.axes if turned else np.eye(3)
-    motion = Similarity(1.0, turn, frame.center - turn @ frame.center + np.asarray(by.move) @ frame.axes)
+    turn = pose.axes.T @ local @ pose.axes if turned else np.eye(3)
+    motion = Similarity(1.0, turn, pose.center - turn @ pose.center + np.asarray(by.move) @ pose.axes)
     return tuple(mesh.moved(motion) for mesh in shaped)
 
 

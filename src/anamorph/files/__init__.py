@@ -1,1 +1,15 @@
-"""Models, CAD files, images and scene files: in and out."""
+"""Files that scenes come from, and scene files in and out. Imports go down this table, never up.
+
+| module | what it holds |
+| --- | --- |
+| `view_file` | scene files that keep a view and its changes apart |
+| `opening` | whatever names a scene, as a scene |
+| `model_scene`, `own_mirror` | a scene around a model; a CAD mirror in place of a scene's own |
+| `scene_file`, `part_tables` | the tables of a scene file, as a scene |
+| `models` | glTF, OBJ, STL, PLY, STEP and IGES as meshes |
+| `materials`, `gltf`, `normals` | what a model's parts look like, what its glTF header says, normals it lacks |
+| `cad`, `trimming`, `opencascade` | faces of CAD files, their triangles, and the process that reads them |
+| `source_words`, `source` | the words that name a scene, and what they mean |
+| `tables`, `key_lines`, `toml` | TOML in, with the lines of mistakes, and out |
+| `reading` | bytes, text and textures from files |
+"""

@@ -22,7 +22,7 @@ from anamorph.files.reading import read
 from anamorph.files.source import FaceChoice
 from anamorph.files.trimming import TrimCurve, tessellate
 from anamorph.scene.model import Diffuse, Material, Mesh
-from anamorph.scene.normals import has_area
+from anamorph.scene.triangles import has_area
 from anamorph.surfaces.nurbs import NurbsSurface
 
 SUFFIXES = (".step", ".stp", ".iges", ".igs")

@@ -22,11 +22,12 @@ from anamorph.base.errors import AnamorphError, nearest
 from anamorph.files import cad
 from anamorph.files.gltf import Gltf, read_gltf
 from anamorph.files.materials import appearance
+from anamorph.files.normals import creased, repaired
 from anamorph.files.reading import Folder, as_utf8, read
 from anamorph.files.source import FaceChoice
 from anamorph.scene.checks import check_triangles
 from anamorph.scene.model import Mesh, Texture
-from anamorph.scene.normals import creased, has_area, repaired
+from anamorph.scene.triangles import has_area
 from anamorph.surfaces.similarity import Similarity
 
 UNNAMED = re.compile(r"^geometry(_\d+)?$")

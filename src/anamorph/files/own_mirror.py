@@ -19,7 +19,7 @@ DRAWING_UP = np.array([0.0, 0.0, 1.0])
 
 
 def replace_mirror(scene: Scene, faces: tuple[CadFace, ...], density: int, where: str) -> Scene:
-    """The scene with CAD faces in place of its mirror, of the same material, their frame laid on that mirror's.
+    """The scene with CAD faces in place of its mirror, of the same material, their pose laid on that mirror's.
 
     Parameters
     ----------

@@ -39,12 +39,12 @@ def car_mirror() -> Scene:
     """The built-in scene `car-mirror`."""
     sphere = mirror_sphere()
     x, y, z = OWN_CAR
-    matt = Diffuse(color=(1.0, 1.0, 1.0))
+    diffuse = Diffuse(color=(1.0, 1.0, 1.0))
     own = [
-        saloon(PAINT, own=True).moved(x, y, z).mesh("own-car", matt),
-        door_top().mesh("own-car/door-top", matt),
-        housing(sphere).mesh("housing", matt),
-        foot(sphere).mesh("housing/foot", matt),
+        saloon(PAINT, own=True).moved(x, y, z).mesh("own-car", diffuse),
+        door_top().mesh("own-car/door-top", diffuse),
+        housing(sphere).mesh("housing", diffuse),
+        foot(sphere).mesh("housing/foot", diffuse),
         car_shade(x, z).mesh("own-car/shade", Diffuse(color=(1, 1, 1), texture=wear.road())),
     ]
     return Scene(

@@ -48,11 +48,11 @@ def car_windows() -> Scene:
         "housing": housing(sphere).mesh("housing", Diffuse(color=PLASTIC)),
         "housing/foot": foot(sphere).mesh("housing/foot", Diffuse(color=PLASTIC)),
     }
-    matt, plates = Diffuse(color=(1.0, 1.0, 1.0)), Diffuse(color=(1.0, 1.0, 1.0), texture=wear.plates())
+    diffuse, plates = Diffuse(color=(1.0, 1.0, 1.0)), Diffuse(color=(1.0, 1.0, 1.0), texture=wear.plates())
     cars: list[Mesh] = []
     for number, (name, x, z, paint) in enumerate(ONCOMING):
         cars += [pane(f"{name}-{window}-window", (x, 0.0, z), window) for window in PANES]
-        cars.append(saloon(paint).turned(180.0).moved(x, 0.0, z).mesh(name, matt))
+        cars.append(saloon(paint).turned(180.0).moved(x, 0.0, z).mesh(name, diffuse))
         cars.append(number_plates(number + 1).turned(180.0).moved(x, 0.0, z).mesh(f"{name}/plates", plates))
     shades = join([car_shade(x, z) for _, x, z, _ in ONCOMING])
     shade = shades.mesh("oncoming-shade", Diffuse(color=(1.0, 1.0, 1.0), texture=wear.road()))

@@ -84,7 +84,7 @@ def magnifier() -> Scene:
 
 
 def reading_glass() -> Lens:
-    """A round lens of two like aspheres, hollow nowhere, whose power is `READING_POWER`."""
+    """A round lens of two like aspheres, concave nowhere, whose power is `READING_POWER`."""
     axes = lens_axes(STREET_GAZE)
     right, up, outward = axes
     middle = np.asarray(STREET_EYE) + READING_DISTANCE * outward

@@ -1,4 +1,4 @@
-"""A saddle-shaped and a cylindrical mirror on posts in a street, both turned aslant about their normals.
+"""A saddle-shaped and a cylindrical mirror on posts in a street, both turned obliquely about their normals.
 
 After section 4.3 and Figure 10 of Kakimoto, Tatsukawa, Chun and Nishita, "Real-time reflection and refraction on a
 per-vertex basis" (2007): such mirrors spread their rays wide one way and little the other, and a view volume wastes

@@ -1,4 +1,4 @@
-"""A mirror ball and a flat mirror among matt balls on a chequered floor: all that tests know in closed form."""
+"""A mirror ball and a flat mirror among diffuse balls on a chequered floor: all that tests know in closed form."""
 
 from __future__ import annotations
 

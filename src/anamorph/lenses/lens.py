@@ -23,7 +23,7 @@ class Lens:
         Glass, called NAME/front and NAME/back: the faces to which the axis points, and from which it comes. Their
         exact surfaces are in them.
     edge : Mesh
-        The matt band between the two, called NAME/edge.
+        The diffuse band between the two, called NAME/edge.
     """
 
     front: Mesh

@@ -36,7 +36,7 @@ class Prescription:
         Millimetres, on the axis.
     base_curve : float, optional
         Power of the front surface, dioptres, in the lens's own index. By default Vogel's rule: the mean power and
-        6 more for plus lenses, half the mean power and 6 more for minus lenses, but never a hollow front.
+        6 more for plus lenses, half the mean power and 6 more for minus lenses, but never a concave front.
     diameter : float
         Millimetres.
     vertex_distance : float

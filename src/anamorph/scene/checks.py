@@ -22,7 +22,7 @@ from anamorph.scene.model import (
     Sky,
     Texture,
 )
-from anamorph.scene.normals import doubled_areas, has_area
+from anamorph.scene.triangles import doubled_areas, has_area
 
 TOUCHING = 1e-5
 """An eye nearer to a mirror than this share of the mirror's size is on it."""

@@ -24,7 +24,7 @@ class LensPair:
     front, back : int
         Indices of the two faces of glass.
     edge : int, optional
-        Index of the matt band between them; None where there is none.
+        Index of the diffuse band between them; None where there is none.
     """
 
     name: str
@@ -77,8 +77,8 @@ def lens_pairs(meshes: Sequence[Mesh]) -> tuple[LensPair, ...]:
         front, back, edge = (alone(f"{name}/{part}") for part in ("front", "back", "edge"))
         if slash + side != "/front" or front is None or back is None or not _faces_of_one(mesh, meshes[back]):
             continue
-        matt = edge is not None and not meshes[edge].specular
-        lenses.append(LensPair(name, front, back, edge if matt else None))
+        diffuse = edge is not None and not meshes[edge].specular
+        lenses.append(LensPair(name, front, back, edge if diffuse else None))
     return tuple(lenses)
 
 

@@ -27,7 +27,7 @@ class Texture:
 
 @dataclass(frozen=True, eq=False)
 class Diffuse:
-    """A matt material: linear `color`, multiplied by the texture and the vertex colours."""
+    """A diffuse material: linear `color`, multiplied by the texture and the vertex colours."""
 
     color: Color = (0.8, 0.8, 0.8)
     texture: Texture | None = None
@@ -37,7 +37,7 @@ class Diffuse:
 class Mirror:
     """A polished metal: `tint` times Schlick's reflectance, which is `reflectance` at normal incidence.
 
-    The back of a mirror is matt, of linear colour `back`.
+    The back of a mirror is diffuse, of linear colour `back`.
     """
 
     tint: Color = WHITE

@@ -9,7 +9,7 @@ import numpy as np
 
 from anamorph.base.errors import AnamorphError
 from anamorph.scene.model import Mesh
-from anamorph.scene.normals import doubled_areas
+from anamorph.scene.triangles import doubled_areas
 
 WORLD_UP = np.array([0.0, 1.0, 0.0])
 

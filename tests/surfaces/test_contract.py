@@ -91,7 +91,7 @@ def a_middle_lies_between(at: Instance) -> None:
 def rays_meet_it(at: Instance) -> None:
     """A ray that is found to meet it does so on the surface, with its normal there; a steep one at its own point.
 
-    A grazing ray may pass it by, or meet it in another point; at a pole a ray may meet nothing.
+    A grazing ray may pass it by, or meet it in another point, and so may one beside it; at a pole it may meet nothing.
     """
     surface, tangents = at.surface, differences(at.surface.position, at)
     points, normals, steep = surface.position(at.uv), surface.normal(at.uv), sound(tangents)
@@ -109,6 +109,12 @@ def rays_meet_it(at: Instance) -> None:
             if cosine > 0.5:
                 assert ok[steep].all()
                 np.testing.assert_allclose(found[steep], points[steep], rtol=0.0, atol=off)
+        # A ray beside the surface meets it further on, if at all.
+        origins = points + side * 0.3 * at.size * normals - 0.1 * at.size * along
+        found, _, ok = meet_each(surface, origins, along, at.uv)
+        uv = surface.parameters(found[ok], at.uv[ok])
+        looked_at = ((uv > at.low) & (uv < at.high)).all(axis=1)
+        np.testing.assert_allclose(surface.position(uv[looked_at]), found[ok][looked_at], rtol=0.0, atol=off)
     points, outward = surface.position(at.special), surface.normal(at.special)
     found, facing, ok = meet_each(surface, points + at.size * outward, -outward, at.special)
     assert np.isfinite(found).all() and np.isfinite(facing).all()

@@ -13,7 +13,8 @@ from scenes import CAMERA, CENTER, SIZE, flat_mirror, part_of_mesh, scene_with, 
 
 from anamorph import gallery
 from anamorph.base.errors import AnamorphError
-from anamorph.lenses.lens import Prescription, make_lens
+from anamorph.lenses.making import make_lens
+from anamorph.lenses.prescription import Prescription
 from anamorph.optics.ray_meshes import bodies_of, rays_of, side_rays
 from anamorph.optics.reflection import reflected_rays, reflector
 from anamorph.optics.refraction import Refractor

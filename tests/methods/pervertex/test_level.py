@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from lens_scenes import CAMERA, SIZE, lens_of
 
-from anamorph.lenses.lens import Prescription
+from anamorph.lenses.prescription import Prescription
 from anamorph.methods.pervertex.level import corner_rays
 from anamorph.optics.ray_meshes import bodies_of, rays_of
 from anamorph.raymesh import RayStatus

@@ -16,7 +16,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from anamorph.raytriangle.coefficients import checked
+from anamorph.raytriangle.scaled import checked
 
 SLACK = 1e-12
 """By how much more than it must a plane is moved off the hull, as a share of what its distance is computed from."""

@@ -20,7 +20,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from anamorph.raytriangle.boxes import SLACK, BoundingPlanes, beam_planes, bounding_planes
-from anamorph.raytriangle.coefficients import checked
+from anamorph.raytriangle.scaled import checked
 
 PADDING = 1.0 / 32.0
 """Pixels by which whatever is drawn reaches beyond what must be: more than rounding and the rasterizer's grid take."""

@@ -24,11 +24,10 @@ from anamorph.methods.trilinear.ray_records import (
     following_records,
     pair_records,
     piece_records,
-    straight_records,
     triangle_records,
 )
 from anamorph.methods.trilinear.ray_triangles import RayTriangles
-from anamorph.methods.trilinear.straight.straight import straight_pieces
+from anamorph.methods.trilinear.straight import StraightEdges
 from anamorph.methods.trilinear.tree import Tree
 from anamorph.methods.trilinear.visibility import FINENESS, Visibility
 
@@ -82,20 +81,11 @@ class Sight:
     pairs: np.ndarray
 
 
-@dataclass(frozen=True)
-class Straight:
-    """How straight edges are drawn: see the method's options."""
-
-    tessellate: int
-    slices: int
-    scene_clip: bool
-
-
 class Layer:
     """One layer of light of one line of the spectrum. What may take long is done in steps."""
 
     def __init__(
-        self, visibility: Visibility, coloring: Coloring, size: tuple[int, int], straight: Straight | None = None
+        self, visibility: Visibility, coloring: Coloring, size: tuple[int, int], straight: StraightEdges | None = None
     ) -> None:
         self.visibility, self.coloring = visibility, coloring
         self._size, self._straight = size, straight
@@ -131,11 +121,9 @@ class Layer:
             return piece_records(beams, plan)
         # Those left out may have no direction at all.
         shown = beams.number
-        pieces = straight_pieces(
-            rays.picture[shown], rays.origins[shown], rays.directions[shown], world.corners, plan.pair[:, :2],
-            tessellate=self._straight.tessellate, slices=self._straight.slices, scene_clip=self._straight.scene_clip,
-        )  # fmt: skip
-        return straight_records(pieces)
+        return self._straight.pieces(
+            rays.picture[shown], rays.origins[shown], rays.directions[shown], world.corners, plan.pair[:, :2]
+        )
 
     def follow(self, before: Sight, world: World) -> Generator[None, None, Sight | None]:
         """Take over the rays that mirrors send on which the layer before sees; None where it sees none."""

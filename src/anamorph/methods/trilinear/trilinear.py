@@ -28,9 +28,10 @@ from anamorph.methods.options import check_options, option
 from anamorph.methods.protocol import Method, Session
 from anamorph.methods.session import DrawingSession, Stage
 from anamorph.methods.trilinear.coloring import Coloring, Kind
-from anamorph.methods.trilinear.ray_layer import Layer, Sight, Straight, World
+from anamorph.methods.trilinear.ray_layer import Layer, Sight, World
 from anamorph.methods.trilinear.ray_records import add_incident, triangle_records
 from anamorph.methods.trilinear.ray_triangles import body_groups, body_triangles, camera_triangles, lens_edges
+from anamorph.methods.trilinear.straight import StraightEdges
 from anamorph.methods.trilinear.tree import make_tree, moved_tree
 from anamorph.methods.trilinear.visibility import Visibility, data_layout
 from anamorph.optics.ray_meshes import bodies_of
@@ -124,7 +125,7 @@ class TrilinearDrawing:
         stage, options = self._stage, self._options
         straight = None
         if options.edges == "straight":
-            straight = Straight(options.tessellate, options.slices, options.clip == "scene")
+            straight = StraightEdges(options.tessellate, options.slices, options.clip == "scene")
         mirrors = bool(self._world.mirror.any())
         # Bare rays meet their first mirror one layer later.
         depths = (options.bounces + self._bare if mirrors else 1) if straight is None else 1

@@ -19,7 +19,7 @@ from anamorph.gpu.device import get_device, of_device
 from anamorph.gpu.drawing import ProjectionUniform, bind_scene, make_pipeline, shader_module
 from anamorph.gpu.recording import Recorder
 from anamorph.gpu.targets import COLOR_FORMAT, Target, begin_pass, make_target
-from anamorph.methods.trilinear.ray_records import PIECE, RAY_TRIANGLE, STRAIGHT_CORNER
+from anamorph.methods.trilinear.ray_records import RAY_TRIANGLE
 
 NUMBER_FORMAT = "r32uint"
 WEIGHTS_FORMAT = "rg32float"
@@ -141,7 +141,11 @@ class Visibility:
         self._rooms: list[wgpu.GPUBuffer | None] = [None, None, None]
         self._data: wgpu.GPUBindGroup | None = None
         self._corners, self._count = 0, 0
-        names = ("gpu/vertices", "methods/trilinear/visibility", *(("methods/trilinear/straight",) if straight else ()))
+        names = (
+            "gpu/vertices",
+            "methods/trilinear/visibility",
+            *(("methods/trilinear/straight/straight",) if straight else ()),
+        )
         module = shader_module(*(f"{name}.wgsl" for name in names))
 
         def pipeline(vertex: str, fragment: str, target: Target, **settings: Any) -> wgpu.GPURenderPipeline:
@@ -169,10 +173,9 @@ class Visibility:
         return self._corners > AT_ONCE
 
     def write(self, triangles: np.ndarray, pairs: np.ndarray, pieces: np.ndarray) -> None:
-        """Take over ray triangles (K,) of `RAY_TRIANGLE`, pairs of `PAIR`, and `PIECE` or `STRAIGHT_CORNER`s."""
-        assert triangles.dtype == RAY_TRIANGLE and pieces.dtype in (PIECE, STRAIGHT_CORNER)
-        self._count = len(triangles)
-        self._corners = len(pieces) * (3 if pieces.dtype == PIECE else 1)
+        """Take over ray triangles (K,) of `RAY_TRIANGLE`, pairs of `PAIR`, and pieces as the shader reads them."""
+        assert triangles.dtype == RAY_TRIANGLE
+        self._count, self._corners = len(triangles), 3 * len(pieces)
         contents = [each if len(each) else np.zeros(1, each.dtype) for each in (triangles, pairs, pieces)]
         rooms = [roomy_buffer(room, content.nbytes) for room, content in zip(self._rooms, contents, strict=True)]
         if rooms != self._rooms:

@@ -1,4 +1,4 @@
-"""Which scene triangle each pixel's ray meets, on the device: what `trilinear.plan` has planned, asked for per pixel.
+"""Which scene triangle each pixel's ray meets, on the device: what `plan` has planned, asked for per pixel.
 
 Two passes, without a ray being cast: the ray triangles, each pixel getting the one whose part of the picture it is in;
 and the pieces of all pairs, of which each pixel keeps the nearest that holds it.
@@ -90,7 +90,7 @@ def bind_views(
 
 
 def make_views(size: tuple[int, int], straight: bool) -> Views:
-    """Room for a picture of `size` (width, height)."""
+    """Targets for a picture of `size` (width, height)."""
     owners = make_target(size, (NUMBER_FORMAT,))
     seen = make_target(size, (NUMBER_FORMAT, WEIGHTS_FORMAT)[: 1 + straight], depth=owners.depth)
     return Views(owners, seen)
@@ -138,7 +138,7 @@ class Visibility:
         self.fine = make_views((FINENESS * size[0], FINENESS * size[1]), straight) if fine else None
         self._owned = [bind_views(views, owned=True) for views in self._all()]
         self._source = bind_views(None if before is None else before.views)
-        self._rooms: list[wgpu.GPUBuffer | None] = [None, None, None]
+        self._held: list[wgpu.GPUBuffer | None] = [None, None, None]
         self._data: wgpu.GPUBindGroup | None = None
         self._corners, self._count = 0, 0
         names = (
@@ -177,12 +177,12 @@ class Visibility:
         assert triangles.dtype == RAY_TRIANGLE
         self._count, self._corners = len(triangles), 3 * len(pieces)
         contents = [each if len(each) else np.zeros(1, each.dtype) for each in (triangles, pairs, pieces)]
-        rooms = [roomy_buffer(room, content.nbytes) for room, content in zip(self._rooms, contents, strict=True)]
-        if rooms != self._rooms:
-            self._rooms = list(rooms)
-            self._data = bind(data_layout(), [self._buffers.vertices, self._buffers.indices, *rooms, self._lenses])
-        for room, content in zip(rooms, contents, strict=True):
-            get_device().queue.write_buffer(room, 0, content)
+        held = [roomy_buffer(buffer, content.nbytes) for buffer, content in zip(self._held, contents, strict=True)]
+        if held != self._held:
+            self._held = list(held)
+            self._data = bind(data_layout(), [self._buffers.vertices, self._buffers.indices, *held, self._lenses])
+        for buffer, content in zip(held, contents, strict=True):
+            get_device().queue.write_buffer(buffer, 0, content)
 
     def draw(
         self, encoder: wgpu.GPUCommandEncoder, recorder: Recorder, projection: ProjectionUniform

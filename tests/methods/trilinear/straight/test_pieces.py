@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 from hypothesis import Phase, given, settings
@@ -9,6 +11,7 @@ from hypothesis import strategies as st
 from ray_triangles import EXACT, ROUNDED, examples, scene
 
 from anamorph.base.errors import AnamorphError
+from anamorph.methods.trilinear import straight
 from anamorph.methods.trilinear.straight import fill, pieces, project_triangle, straight_pieces
 from anamorph.methods.trilinear.straight.cutting import GUARD
 
@@ -299,3 +302,9 @@ def test_rays_without_a_direction_are_refused_in_one_line():
     with pytest.raises(AnamorphError, match="all three directions are 0") as raised:
         pieces_of(PLAIN, np.zeros((3, 3)), PLAIN)
     assert "\n" not in str(raised.value)
+
+
+def test_one_module_of_the_method_takes_the_room():
+    own = Path(straight.__file__).parent
+    others = [module for module in own.parent.glob("*.py") if "trilinear.straight" in module.read_text()]
+    assert [module.name for module in others] == ["trilinear.py"]

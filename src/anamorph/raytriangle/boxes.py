@@ -5,7 +5,7 @@ hull of where they start, swept along all three directions. Where that hull lies
 on the other, no ray meets the box. The planes tried are those along the faces that such a hull can have, and those of a
 box.
 
-The volume itself is hollow between its curved sides and, beyond where rays cross, folded. The hull knows nothing of
+The volume itself caves in between its curved sides and, beyond where rays cross, folded. The hull knows nothing of
 that: a box may pass that no ray meets, never the other way round. In float32, with planes made in float64 and their
 distances lowered by 1e-6 of the scene's size, that still holds.
 """

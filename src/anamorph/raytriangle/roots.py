@@ -58,9 +58,9 @@ def cubic_roots(c: Cubic, noise: float, reach: float, found: np.ndarray) -> int:
         Written; the first three hold the roots.
     """
     minus, plus = cubic_value(c, -1.0) >= 0.0, cubic_value(c, 1.0) >= 0.0
-    turned = (c[3], c[2], c[1], c[0])
+    backward = (c[3], c[2], c[1], c[0])
     count, near_crossed, near_touch = _half(c, noise, minus, plus, math.inf, found, 0)
-    count, far_crossed, far_touch = _half(turned, noise, not minus, plus, reach, found, count)
+    count, far_crossed, far_touch = _half(backward, noise, not minus, plus, reach, found, count)
     # One more double root fits only where there is one simple root at most, however often rounding sees it.
     if near_crossed + far_crossed <= 1:
         touch = near_touch if not math.isnan(near_touch) else far_touch

@@ -114,9 +114,9 @@ def scaled_rays(origins: np.ndarray, directions: np.ndarray) -> ScaledRays:
     """
     origins, directions = checked(origins, directions)
     longest = np.linalg.norm(directions, axis=-1).max(axis=-1)[..., None, None]
-    turned = directions / longest
-    mean = turned.mean(axis=-2)
-    spread = SPREAD @ turned
+    along = directions / longest
+    mean = along.mean(axis=-2)
+    spread = SPREAD @ along
     center = origins.mean(axis=-2)
     around = origins - center[..., None, :]
     # The rounded mean is not quite the middle; what is left of it is small and exact.
@@ -126,7 +126,7 @@ def scaled_rays(origins: np.ndarray, directions: np.ndarray) -> ScaledRays:
     rounding = 4.0 * np.finfo(float).eps * np.abs(origins).max(axis=(-1, -2))
     squared = np.sum(spread * spread, axis=(-1, -2))
     waist = -np.sum((SPREAD @ around) * spread, axis=(-1, -2)) / np.where(squared > 0.0, squared, 1.0)
-    there = around + waist[..., None, None] * (turned - mean[..., None, :])
+    there = around + waist[..., None, None] * (along - mean[..., None, :])
     narrow = (squared > 0.0) & (_widest(there) < NARROW * widest)
     around = np.where(narrow[..., None, None], there, around)
     waist = np.where(narrow, waist, 0.0)

@@ -75,8 +75,8 @@ def solve_point(row: np.ndarray, x: float, y: float, z: float, found: np.ndarray
     distance = 1.0 + math.sqrt(dot(point, point))
     reach = INFINITE * distance
     solved[0], solved[1], solved[2] = point
-    turned = (cubic[3], cubic[2], cubic[1], cubic[0])
-    solved[BEFORE], solved[AFTER] = -cubic_value(turned, -1.0 / reach), cubic_value(turned, 1.0 / reach)
+    backward = (cubic[3], cubic[2], cubic[1], cubic[0])
+    solved[BEFORE], solved[AFTER] = -cubic_value(backward, -1.0 / reach), cubic_value(backward, 1.0 / reach)
     solved[COUNT] = 0.0
     # Neither a flat ray triangle nor a point in all its planes has any t of its own.
     largest = max(max(abs(cubic[0]), abs(cubic[1])), max(abs(cubic[2]), abs(cubic[3])))

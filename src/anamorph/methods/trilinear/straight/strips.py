@@ -67,7 +67,8 @@ def strip(
 
 
 @inlined
-def _turn(a: np.ndarray, b: np.ndarray, c: np.ndarray) -> float:
+def _area(a: np.ndarray, b: np.ndarray, c: np.ndarray) -> float:
+    """Twice the area of a triangle in u and v, negative where it is clockwise."""
     return (b[U] - a[U]) * (c[V] - a[V]) - (b[V] - a[V]) * (c[U] - a[U])
 
 
@@ -87,8 +88,8 @@ def _between_levels(
 
     It is divided by the diagonal that is inside it; where two opposite sides cross each other, at the crossing.
     """
-    last, first = _turn(here, there, across), _turn(here, across, above)
-    early, late = _turn(here, there, above), _turn(there, across, above)
+    last, first = _area(here, there, across), _area(here, across, above)
+    early, late = _area(here, there, above), _area(there, across, above)
     if last * first >= 0.0:
         used = cut_piece(row, pair, here, there, across, polygon, pieces, used)
         return cut_piece(row, pair, here, across, above, polygon, pieces, used)

@@ -17,7 +17,7 @@ MODULES = sorted(PACKAGE.rglob("*.py"))
 
 ORDER = (
     "base", "surfaces", "scene", "lenses", "editing", "gallery", "files", "raymesh", "rays", "optics", "cameras",
-    "projection", "frame", "gpu", "raytriangle", "methods", "measure", "rendering", "bench", "viewer", "cli",
+    "projection", "frame", "gpu", "raytriangle", "methods", "measure", "rendering", "viewer", "bench", "cli",
 )  # fmt: skip
 """The rooms: each imports only itself and those that stand before it."""
 

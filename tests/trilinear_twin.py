@@ -7,9 +7,9 @@ from typing import NamedTuple
 import numpy as np
 
 from anamorph.methods.trilinear.beams import Beams, make_beams
-from anamorph.methods.trilinear.pairs import ALL, Own, Triangles
+from anamorph.methods.trilinear.box_tree import make_tree
+from anamorph.methods.trilinear.pairs import ALL, Own
 from anamorph.methods.trilinear.plan import Plan, Planner
-from anamorph.methods.trilinear.tree import make_tree
 
 SIZE = (200, 160)
 
@@ -180,8 +180,7 @@ def planned(
         count = len(rays.picture)
         own = Own(np.full(count, -1, np.int32), np.full(count, -1, np.int32), np.full(count, ALL, np.int32))
     own = Own(*(each[beams.number] for each in own))
-    scene = Triangles(tree.faces, tree.low, tree.high, tree.corners, group)
-    return beams, (planner or Planner()).plan(beams, scene, own)
+    return beams, (planner or Planner()).plan(beams, tree, group, own)
 
 
 def evaluated(terms: np.ndarray, places: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -57,9 +57,9 @@ def compared(
     return Compared(traced, exact, straight, measure(traced, exact), flip(traced, straight), against)
 
 
-def flip(truth: an.Frame, frame: an.Frame) -> float:
+def flip(reference: an.Frame, frame: an.Frame) -> float:
     """The mean over all pixels that have a ray."""
-    found = color_errors(truth.color, frame.color, counted(truth)).flip
+    found = color_errors(reference.color, frame.color, counted(reference)).flip
     assert found is not None
     return found
 
@@ -71,19 +71,19 @@ def pixels(frame: an.Frame) -> np.ndarray:
     return np.where(outside, 255, to_pixels(frame.color)).astype(np.uint8)
 
 
-def p95_of_things(truth: an.Frame, errors: Errors) -> float:
+def p95_of_things(reference: an.Frame, errors: Errors) -> float:
     """The 95th percentile of errors in pixels where a thing is seen, away from silhouettes.
 
     Not of the sky: through parallel rays it has one colour in many pixels, and its place in the picture is no measure.
     """
-    assert truth.object_id is not None
-    things = errors.maps.specular & ~errors.maps.silhouette & (truth.object_id > 0)
+    assert reference.object_id is not None
+    things = errors.maps.specular & ~errors.maps.silhouette & (reference.object_id > 0)
     return float(np.percentile(errors.maps.pixels[things], 95.0))
 
 
-def told(truth: an.Frame, errors: Errors) -> str:
-    """Both figures of a frame against its truth, in words."""
-    return f"p95 {number(p95_of_things(truth, errors))} px, FLIP {number(errors.flip)}"
+def in_words(reference: an.Frame, errors: Errors) -> str:
+    """Both figures of a frame against its reference."""
+    return f"p95 {number(p95_of_things(reference, errors))} px, FLIP {number(errors.flip)}"
 
 
 def number(value: float | None) -> str:

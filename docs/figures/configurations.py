@@ -33,7 +33,7 @@ class Example:
     origins: np.ndarray
     directions: np.ndarray
 
-    def shapes(self, nearest: float | None = None) -> tuple[Shape, ...]:
+    def shapes(self, nearest: float = -np.inf) -> tuple[Shape, ...]:
         """The projected triangle."""
         return project_triangle(self.origins, self.directions, self.corners, nearest)
 

@@ -210,9 +210,9 @@ def finer(figure: str) -> Drawn:
     """Figures 4.9 and 4.10: the same with 25 triangles, and with 5 more levels of t."""
     shown = single("4,5")
     way, lines = ("tessellate", shape_lines) if figure == "4.9" else ("slices", level_lines)
-    truth = shown.draw("raytrace")
+    reference = shown.draw("raytrace")
     frames = [shown.draw(f"{STRAIGHT},{way}={number}") for number in (PARTS, 4 * PARTS)]
-    flips = [flip(truth, frame) for frame in (shown.draw(STRAIGHT), *frames)]
+    flips = [flip(reference, frame) for frame in (shown.draw(STRAIGHT), *frames)]
     drawn = circled(pixels(frames[0]), shown)
     return [
         [
@@ -220,7 +220,7 @@ def finer(figure: str) -> Drawn:
                 lined(drawn, lines(shown, PARTS), DARK), f"{way}={PARTS}: FLIP {flips[1]:.3f}, without {flips[0]:.3f}"
             ),
             Panel(circled(pixels(frames[1]), shown), f"{way}={4 * PARTS}: FLIP {flips[2]:.3f}"),
-            Panel(circled(pixels(truth), shown), "a ray for every pixel"),
+            Panel(circled(pixels(reference), shown), "a ray for every pixel"),
         ]
     ], []
 

@@ -25,7 +25,7 @@ SURFACE: Color = (0.25, 0.29, 0.34)
 
 
 def rods(segments: np.ndarray, radius: float, color: Color, name: str) -> an.Mesh:
-    """Thin straight tubes between pairs of points, `segments` (N, 2, 3), as one matt mesh."""
+    """Thin straight tubes between pairs of points, `segments` (N, 2, 3), as one diffuse mesh."""
     segments = np.asarray(segments, float)
     along = segments[:, 1] - segments[:, 0]
     along /= np.maximum(np.linalg.norm(along, axis=1, keepdims=True), 1e-12)
@@ -48,7 +48,7 @@ def rods(segments: np.ndarray, radius: float, color: Color, name: str) -> an.Mes
 
 
 def balls(centers: Sequence[np.ndarray], radius: float, color: Color, name: str) -> an.Mesh:
-    """Balls around points, as one matt mesh."""
+    """Balls around points, as one diffuse mesh."""
     points, faces = icosphere(3)
     flat = np.zeros((len(points), 2))
     parts = [Shape(points * radius + center, points, flat, np.ones_like(points), faces) for center in centers]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from figures.comparing import Compared, Drawn, compared, pixels, table_row, told
+from figures.comparing import Compared, Drawn, compared, in_words, pixels, table_row
 from figures.panels import Panel, shrunk
 
 import anamorph as an
@@ -26,7 +26,7 @@ MANY = 100
 
 def pair(found: Compared, words: str, size: tuple[int, int]) -> list[Panel]:
     """Traced and projected, with what they differ by."""
-    same = f"projected: {told(found.traced, found.errors)}"
+    same = f"projected: {in_words(found.traced, found.errors)}"
     return [Panel(shrunk(pixels(found.traced), size), words), Panel(shrunk(pixels(found.exact), size), same)]
 
 
@@ -66,7 +66,7 @@ def series(figure: str, original: an.Frame, drawn: dict[int, tuple[an.Scene, Ray
     for letter, (quads, (scene, rays)) in zip("bcdef", drawn.items(), strict=True):
         found = compared(scene, rays, SQUARE, original)
         assert found.original
-        words = f"({letter}): {quads} x {quads} quads, projected\nfrom (a): {told(original, found.original)}"
+        words = f"({letter}): {quads} x {quads} quads, projected\nfrom (a): {in_words(original, found.original)}"
         panels.append(Panel(shrunk(pixels(found.exact), THIRD), words))
         table.append(table_row(f"{figure} ({letter})", 2 * quads**2, found))
     return [panels[:3], panels[3:]], table
@@ -84,13 +84,15 @@ def wavy() -> Drawn:
     original = an.render(scene, method="raytrace:bounces=1", size=SQUARE, seen=True)
     found = compared(scene, None, SQUARE, original)
     assert found.original
-    near = told(found.traced, found.errors).replace(", ", ",\n")
+    near = in_words(found.traced, found.errors).replace(", ", ",\n")
     same = f"along the mesh's own rays, traced;\n(b) from this: {near}"
     return [
         [
             Panel(shrunk(pixels(original), THIRD), "(a): rays bent at every pixel"),
             Panel(shrunk(pixels(found.traced), THIRD), same),
-            Panel(shrunk(pixels(found.exact), THIRD), f"(b): projected\nfrom (a): {told(original, found.original)}"),
+            Panel(
+                shrunk(pixels(found.exact), THIRD), f"(b): projected\nfrom (a): {in_words(original, found.original)}"
+            ),
         ]
     ], [table_row("7.5 (b)", 50, found)]
 

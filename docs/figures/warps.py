@@ -52,7 +52,7 @@ class Warp:
         return places[pairs[(lookup[pairs, 3] > 0.0).all(axis=1)]]
 
     def mesh(self, color: tuple[float, float, float], name: str) -> an.Mesh:
-        """The patch as a matt mesh."""
+        """The patch as a diffuse mesh."""
         optics = self.body_rays.side.optics
         return an.Mesh(
             name,

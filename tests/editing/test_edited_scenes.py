@@ -17,7 +17,7 @@ from anamorph.frame import Frame
 from anamorph.gallery.shapes import box
 from anamorph.methods import METHODS
 from anamorph.rays.caster import Caster
-from anamorph.rays.embree import KEPT, Triangles, tree_over
+from anamorph.rays.embree import KEPT, EmbreeTriangles, tree_over
 from anamorph.scene.camera import Camera
 from anamorph.scene.geometry import APART, BESIDE, SPECULAR, flatten
 from anamorph.scene.model import Diffuse, Glass, Mesh, Mirror, Scene
@@ -115,12 +115,12 @@ def test_whoever_writes_into_a_mesh_sees_it_where_it_is():
 
 
 def test_no_more_than_the_last_trees_are_kept():
-    first = tree_over(Triangles(*triangles(0)))
+    first = tree_over(EmbreeTriangles(*triangles(0)))
     gone = weakref.ref(first)
     del first
     for seed in range(1, KEPT + 1):
         assert gone() is not None
-        tree_over(Triangles(*triangles(seed)))
+        tree_over(EmbreeTriangles(*triangles(seed)))
     assert gone() is None
 
 
@@ -133,24 +133,26 @@ def triangles(seed: int, count: int = 9) -> tuple[np.ndarray, np.ndarray]:
 @given(st.integers(0, 9), st.booleans(), st.integers(0, 26), st.integers(0, 31))
 def test_triangles_are_equal_to_the_last_bit_or_not_at_all(seed, of_faces, place, bit):
     one, other = triangles(seed), triangles(seed)
-    assert Triangles(*one) == Triangles(*other) and hash(Triangles(*one)) == hash(Triangles(*other))
+    assert EmbreeTriangles(*one) == EmbreeTriangles(*other) and hash(EmbreeTriangles(*one)) == hash(
+        EmbreeTriangles(*other)
+    )
     other[of_faces].view(np.uint32).reshape(-1)[place] ^= np.uint32(1 << bit)
-    assert Triangles(*one) != Triangles(*other)
+    assert EmbreeTriangles(*one) != EmbreeTriangles(*other)
 
 
 def test_zeros_of_other_signs_are_other_places_and_undefined_ones_are_themselves():
     positions, faces = triangles(0)
     signed, undefined = positions.copy(), positions.copy()
     positions[4, 1], signed[4, 1], undefined[4, 1] = 0.0, -0.0, np.nan
-    assert Triangles(positions, faces) != Triangles(signed, faces)
-    assert Triangles(undefined, faces) == Triangles(undefined.copy(), faces)
+    assert EmbreeTriangles(positions, faces) != EmbreeTriangles(signed, faces)
+    assert EmbreeTriangles(undefined, faces) == EmbreeTriangles(undefined.copy(), faces)
 
 
 @pytest.mark.parametrize("cut", [0, 1, 9])
 def test_more_or_fewer_triangles_are_others(cut):
     positions, faces = triangles(0)
-    assert (Triangles(positions, faces) == Triangles(positions, faces[cut:])) is (cut == 0)
-    assert Triangles(positions, faces) != (positions, faces)
+    assert (EmbreeTriangles(positions, faces) == EmbreeTriangles(positions, faces[cut:])) is (cut == 0)
+    assert EmbreeTriangles(positions, faces) != (positions, faces)
 
 
 KINDS = {SPECULAR: "glass", BESIDE: "frame", APART: "wall"}

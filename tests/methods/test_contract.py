@@ -176,7 +176,7 @@ def test_every_shader_compiles(name):
         "methods/tracing/tiles.wgsl": ("gpu/vertices.wgsl",),
         "methods/trilinear/visibility.wgsl": ("gpu/vertices.wgsl",),
         "methods/trilinear/composed.wgsl": visibility,
-        "methods/trilinear/straight.wgsl": visibility,
+        "methods/trilinear/straight/straight.wgsl": visibility,
         "methods/trilinear/sighting.wgsl": visibility,
         "methods/trilinear/trilinear.wgsl": sighting,
         "methods/trilinear/edges.wgsl": (*sighting, "methods/trilinear/trilinear.wgsl"),

@@ -44,7 +44,7 @@ def test_a_wrong_layout_fails_the_check(monkeypatch):
     def wrong(tree, origins, directions, near, coherent, distance, triangle, barycentric):
         distance[:], triangle[:], barycentric[:] = np.inf, -1, 0.0
 
-    monkeypatch.setattr(rays.embree.Trees, "cast", wrong)
+    monkeypatch.setattr(rays.embree.EmbreeForest, "cast", wrong)
     assert not rays.direct_works.__wrapped__()
 
 
@@ -168,7 +168,7 @@ def test_a_tree_that_cannot_be_built_falls_back(monkeypatch):
         raise rays.embree.EmbreeUnavailable("Embree could not build its tree")
 
     assert rays.direct_works()
-    monkeypatch.setattr(rays.embree, "Tree", unavailable)
+    monkeypatch.setattr(rays.embree, "EmbreeTree", unavailable)
     rays.embree.tree_over.cache_clear()
     caster = Caster(soup())
     assert caster.way == "embreex"

@@ -109,12 +109,12 @@ def test_a_tree_that_cannot_be_moved_falls_back(monkeypatch):
 
     caster = Caster(sea())
     caster.moved(sea().positions)
-    monkeypatch.setattr(rays.embree.Tree, "move", unavailable)
+    monkeypatch.setattr(rays.embree.EmbreeTree, "move", unavailable)
     caster.moved(sea(time=2.0).positions)
     assert caster.way == "embreex"
     assert_like_a_fresh_tree(caster, sea(time=2.0).positions, sea().faces)
 
 
 def test_trees_that_move_to_the_wrong_place_fail_the_check(monkeypatch):
-    monkeypatch.setattr(rays.embree.Tree, "move", lambda tree, positions: None)
+    monkeypatch.setattr(rays.embree.EmbreeTree, "move", lambda tree, positions: None)
     assert not rays.direct_works.__wrapped__()

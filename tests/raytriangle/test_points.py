@@ -21,6 +21,7 @@ from ray_triangles import KINDS, NEARLY, points_for, ray_triangle
 
 from anamorph.base.errors import AnamorphError
 from anamorph.raytriangle import project_points
+from anamorph.raytriangle.roots import cubic_roots
 
 
 def exact(array):
@@ -293,3 +294,33 @@ def test_what_cannot_be_projected_is_refused_in_one_line(p, n, points, said):
     with pytest.raises(AnamorphError, match=said) as raised:
         project_points(p, n, points)
     assert "\n" not in str(raised.value)
+
+
+def roots_of(cubic, noise=0.0):
+    found = np.zeros(8)
+    return found[: cubic_roots(tuple(map(float, cubic)), noise, 1e10, found)]
+
+
+@settings(max_examples=60, phases=(Phase.explicit, Phase.generate))
+@given(st.integers(0, 2**32 - 1), st.sampled_from([0.0, 1e-15]))
+def test_cubics_of_every_degree_have_all_their_roots(seed, noise):
+    random = np.random.default_rng(seed)
+    roots = random.choice([0.0, 0.5, -2.0, 1e-3, 1e4, -1.0, 1.0], 3) * random.choice([1.0, random.normal()], 3)
+    for cubic in (np.poly(roots)[::-1], random.normal(size=4), random.normal(size=4) * random.integers(0, 2, 4)):
+        exact = (
+            [float(root) for root in exact_roots([Fraction(float(c)) for c in cubic], 10**10)] if cubic.any() else []
+        )
+        found = roots_of(cubic, noise)
+        assert (np.diff(found) >= 0.0).all()
+        for root in found:
+            assert abs(np.polyval(cubic[::-1], root)) <= 1e-14 * np.polyval(np.abs(cubic[::-1]), max(abs(root), 1.0))
+        slope = np.polyder(cubic[::-1])
+        for root in exact:
+            # Of nearly double roots rounding cannot tell whether there are any.
+            if abs(np.polyval(slope, root)) > 1e-3 * np.polyval(np.abs(slope), abs(root)):
+                assert np.abs(found - root).min() <= 1e-9 * max(abs(root), 1e-6)
+
+
+def test_roots_that_are_only_touched_count_twice():
+    assert roots_of([1.0, -4.0, 4.0, 0.0], 1e-15) == pytest.approx([0.5, 0.5])
+    assert roots_of([0.0, 0.0, 3.0, 0.0]) == pytest.approx([0.0, 0.0])

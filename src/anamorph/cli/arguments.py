@@ -180,6 +180,9 @@ def make_parser() -> argparse.ArgumentParser:
     deforming = benchmark("deforming", "time methods while a scene of 300,000 triangles deforms")
     deforming.add_argument("--size", metavar="WxH", type=_size, help=size)
     deforming.add_argument("--frames", metavar="N", type=_timed_frames, default=30, help="how many are timed (30)")
+    editing = benchmark("editing", "time a step of a slider in scenes of up to a million triangles")
+    editing.add_argument("--size", metavar="WxH", type=_size, help=size)
+    editing.add_argument("--steps", metavar="N", type=_timed_frames, default=9, help="how many are timed (9)")
     trilinear = benchmark("trilinear", "make the measurements of Vallance's thesis again")
     trilinear.add_argument(
         "--output", metavar="DIR", type=Path, default=Path("bench-output"), help="tables and plots (bench-output)"

@@ -189,6 +189,24 @@ def _bench_deforming(arguments: argparse.Namespace) -> None:
     print_table(deforming_table(times))
 
 
+def _bench_editing(arguments: argparse.Namespace) -> None:
+    from anamorph.bench.editing import SIZE, editing_table
+    from anamorph.measure.table import print_table
+    from anamorph.methods import parse
+
+    for spec in arguments.method or ():
+        parse(spec)
+    what = "timing steps of a slider"
+    with progress_bar(what) as tell:
+        table = editing_table(
+            arguments.method,
+            arguments.size or SIZE,
+            arguments.steps,
+            lambda done, total: tell(done, total, what),
+        )
+    print_table(table)
+
+
 def _bench_trilinear(arguments: argparse.Namespace) -> None:
     from anamorph.bench.thesis.benchmark import FULL, PARTS, QUICK, measure_thesis, write_results
     from anamorph.bench.thesis.plots import INSTALL, can_plot
@@ -269,6 +287,7 @@ COMMANDS = {
     "view": _view,
     "turntable": _turntable,
     "bench deforming": _bench_deforming,
+    "bench editing": _bench_editing,
     "bench trilinear": _bench_trilinear,
     "scenes": _scenes,
     "info": _info,

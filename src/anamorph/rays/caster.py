@@ -67,8 +67,8 @@ class _Wrapper:
     ) -> None:
         distance[:], triangle[:], barycentric[:] = np.inf, -1, 0.0
         # The wrapper knows no near distance: the rays start further on instead.
-        starts = (origins + near[:, None] * directions).astype(np.float32)
-        found = self._scene.run(starts, directions.astype(np.float32), query="INTERSECT", output=True)
+        origins = (origins + near[:, None] * directions).astype(np.float32)
+        found = self._scene.run(origins, directions.astype(np.float32), query="INTERSECT", output=True)
         hit = found["primID"] >= 0
         triangle[hit] = found["primID"][hit]
         distance[hit] = found["tfar"][hit] + near[hit]
@@ -89,15 +89,15 @@ def direct_works() -> bool:
     numbers = np.arange(len(faces), dtype=np.int32)
     parts = numbers[1::2], numbers[::2]
     try:
-        trees = [embree.Trees([embree.Tree(positions, faces[part]) for part in parts], parts)]
+        trees = [embree.EmbreeForest([embree.EmbreeTree(positions, faces[part]) for part in parts], parts)]
         for upkeep in (embree.Upkeep.REFIT, embree.Upkeep.REBUILD):
-            tree = embree.Tree(np.roll(positions, 1, axis=1), faces, upkeep)
+            tree = embree.EmbreeTree(np.roll(positions, 1, axis=1), faces, upkeep)
             tree.move(positions)
-            trees.append(embree.Trees([tree], [numbers]))
+            trees.append(embree.EmbreeForest([tree], [numbers]))
     except embree.EmbreeUnavailable:
         return False
 
-    def hits_of(tree: embree.Trees | _Wrapper) -> Hits:
+    def hits_of(tree: embree.EmbreeForest | _Wrapper) -> Hits:
         hits = Hits.empty(301)
         tree.cast(origins, directions, near, False, hits.distance, hits.triangle, hits.barycentric)
         return hits
@@ -116,7 +116,7 @@ def _near(positions: np.ndarray) -> float:
     return 1e-6 * float(max(positions.max(initial=0.0), -positions.min(initial=0.0)))
 
 
-def _standing(geometry: Geometry) -> embree.Trees:
+def _standing(geometry: Geometry) -> embree.EmbreeForest:
     """A tree for each kind of mesh: where only a mirror is edited, that over all that stands around it stays."""
     trees, numbers = [], []
     for kind in np.unique(geometry.kind[np.diff(geometry.first_face) > 0]):
@@ -129,8 +129,8 @@ def _standing(geometry: Geometry) -> embree.Trees:
             own.append(np.arange(first, last, dtype=np.int32))
             count += int(stop - start)
         numbers.append(np.concatenate(own))
-        trees.append(embree.tree_over(embree.Triangles(np.concatenate(vertices), np.concatenate(faces))))
-    return embree.Trees(trees, numbers)
+        trees.append(embree.tree_over(embree.EmbreeTriangles(np.concatenate(vertices), np.concatenate(faces))))
+    return embree.EmbreeForest(trees, numbers)
 
 
 class Caster:
@@ -157,7 +157,7 @@ class Caster:
         self._tree = self._embree(lambda: _standing(geometry)) or _Wrapper(geometry.positions, geometry.faces)
         self.near = _near(geometry.positions)
 
-    def _embree(self, make: Callable[[], embree.Trees]) -> embree.Trees | None:
+    def _embree(self, make: Callable[[], embree.EmbreeForest]) -> embree.EmbreeForest | None:
         """What is made for the C interface; None where that cannot be used, or no longer."""
         if self.way == "embree":
             try:
@@ -176,14 +176,14 @@ class Caster:
         self.near = _near(positions)
         self._tree = self._embree(lambda: self._follow(positions, upkeep)) or _Wrapper(positions, self._faces)
 
-    def _follow(self, positions: np.ndarray, upkeep: embree.Upkeep) -> embree.Trees:
+    def _follow(self, positions: np.ndarray, upkeep: embree.Upkeep) -> embree.EmbreeForest:
         trees = self._tree
-        if isinstance(trees, embree.Trees) and trees.trees and trees.trees[0].upkeep is upkeep:
+        if isinstance(trees, embree.EmbreeForest) and trees.trees and trees.trees[0].upkeep is upkeep:
             trees.trees[0].move(positions)
             return trees
         # Of its own: what stands may be in other casters, too.
-        tree = embree.Tree(positions, self._faces, upkeep)
-        return embree.Trees([tree], [np.arange(len(self._faces), dtype=np.int32)])
+        tree = embree.EmbreeTree(positions, self._faces, upkeep)
+        return embree.EmbreeForest([tree], [np.arange(len(self._faces), dtype=np.int32)])
 
     def cast(
         self,

@@ -116,7 +116,7 @@ _QUALITIES = {Upkeep.NONE: (_MEDIUM, _MEDIUM), Upkeep.REFIT: (_LOW, _REFIT), Upk
 """Build qualities of scene and geometry. Only scenes of low quality keep a tree for each geometry, to be refitted."""
 
 
-class Tree:
+class EmbreeTree:
     """Embree's tree over one set of triangles.
 
     Parameters
@@ -178,7 +178,7 @@ class Tree:
 
 
 @dataclass(frozen=True, eq=False)
-class Triangles:
+class EmbreeTriangles:
     """Triangles that are equal to all others with the same numbers, to the last bit; nobody may write into them.
 
     Parameters
@@ -191,7 +191,7 @@ class Triangles:
     faces: np.ndarray
 
     def __eq__(self, other: object) -> bool:
-        if not isinstance(other, Triangles):
+        if not isinstance(other, EmbreeTriangles):
             return NotImplemented
         pairs = (self.positions, other.positions), (self.faces, other.faces)
         return all(np.array_equal(one.view(np.uint32), another.view(np.uint32)) for one, another in pairs)
@@ -201,23 +201,23 @@ class Triangles:
 
 
 @lru_cache(KEPT)
-def tree_over(triangles: Triangles) -> Tree:
+def tree_over(triangles: EmbreeTriangles) -> EmbreeTree:
     """A tree without upkeep; that of the same triangles, where it is still there."""
-    return Tree(triangles.positions, triangles.faces, Upkeep.NONE)
+    return EmbreeTree(triangles.positions, triangles.faces, Upkeep.NONE)
 
 
-class Trees:
+class EmbreeForest:
     """Trees that rays meet as one.
 
     Parameters
     ----------
-    trees : sequence of Tree
+    trees : sequence of EmbreeTree
         Cast at one after the other: those that hide much, or are small, first.
     numbers : (F,) int32
         How the triangles of all the trees are counted, one tree after the other.
     """
 
-    def __init__(self, trees: Sequence[Tree], numbers: Sequence[np.ndarray]) -> None:
+    def __init__(self, trees: Sequence[EmbreeTree], numbers: Sequence[np.ndarray]) -> None:
         self.trees = tuple(trees)
         self._addresses = np.array([tree.address for tree in trees], np.int64)
         self._firsts = np.cumsum([0, *map(len, numbers)])
@@ -292,8 +292,8 @@ def _cast(
             ray = start + min(lane, lanes - 1)
             for axis in range(3):
                 floats[ORIGIN + axis, lane] = origins[ray, axis]
-                way = directions[ray, axis]
-                floats[DIRECTION + axis, lane] = 0.0 if abs(way) < LEAST else way
+                part = directions[ray, axis]
+                floats[DIRECTION + axis, lane] = 0.0 if abs(part) < LEAST else part
             floats[NEAR, lane] = near[ray]
             floats[FAR, lane] = np.inf
             words[MASK, lane] = MISS

@@ -6,12 +6,15 @@ The thesis's parametric triangle at t is the one between the points p + t n.
 
 | section | what | where |
 | --- | --- | --- |
-| 3.6, A.3 | what does not depend on the point: the triangle's frame and its cubics' coefficients | `coefficients` |
-| 3.3 | all real roots of a cubic of any degree | `cubic`; compiled, one at a time: `roots` |
-| 3.1 to 3.5, 3.8 | the rays that pass through a point | `points`: `project_points`; compiled: `solve` |
+| 3.6, A.3 | what does not depend on the point: the triangle's own units and its cubics' coefficients | `scaled` |
+| | without the roots at which no ray passes through any point | `factors` |
+| | the same as rows of numbers that compiled loops read | `rows` |
+| 3.3 | all real roots of a cubic of any degree | `roots` |
+| 3.1 to 3.5, 3.8 | all rays that pass through a point | `solve` |
+| | through many points, on all the cores | `points`: `project_points` |
 | 3.6 | the same on the graphics device, not imported here | `device`: `project_points_on_device` |
-| 3.7 | which points, and which boxes, no ray meets | `sides`: `side_surfaces`; `boxes`: `bounding_planes` |
-| | ray triangles as rows of numbers that compiled loops read | `packed` |
+| 3.7 | which points no ray meets | `sides`: `side_surfaces` |
+| 3.7 | which boxes no ray meets | `boxes`: `bounding_planes` |
 """
 
 from anamorph.raytriangle.boxes import BoundingPlanes as BoundingPlanes

@@ -1,11 +1,11 @@
 """Which boxes a ray triangle may see into, so that not every scene triangle has to be projected by every ray triangle.
 
 Source: Vallance 2005, section 3.7, which has a test of points only. The rays from t = near on stay within the convex
-hull of their starts, swept along all three directions. Where that hull lies wholly on one side of a plane and a box on
-the other, no ray meets the box. The planes tried are those along the faces that such a hull can have, and those of a
+hull of where they start, swept along all three directions. Where that hull lies wholly on one side of a plane and a box
+on the other, no ray meets the box. The planes tried are those along the faces that such a hull can have, and those of a
 box.
 
-The volume itself is hollow between its curved sides and, beyond where rays cross, folded. The hull knows nothing of
+The volume itself caves in between its curved sides and, beyond where rays cross, folded. The hull knows nothing of
 that: a box may pass that no ray meets, never the other way round. In float32, with planes made in float64 and their
 distances lowered by 1e-6 of the scene's size, that still holds.
 """
@@ -16,7 +16,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from anamorph.raytriangle.coefficients import checked
+from anamorph.raytriangle.scaled import checked
 
 SLACK = 1e-12
 """By how much more than it must a plane is moved off the hull, as a share of what its distance is computed from."""
@@ -104,12 +104,12 @@ def _units(directions: np.ndarray) -> np.ndarray:
     return directions / np.maximum(np.linalg.norm(directions, axis=-1, keepdims=True), np.finfo(float).tiny)
 
 
-def _planes(starts: np.ndarray, along: np.ndarray, around: np.ndarray) -> BoundingPlanes:
-    """The planes of rays (..., C, 3) from where they start along unit vectors, tried along those that are around."""
+def _planes(origins: np.ndarray, along: np.ndarray, around: np.ndarray) -> BoundingPlanes:
+    """The planes of rays (..., C, 3) from their origins along unit vectors, tried along those that are around."""
     if around.ndim == 1:
-        corner, edge = starts[..., around, :], along[..., around, :]
+        corner, edge = origins[..., around, :], along[..., around, :]
     else:
-        corner, edge = (np.take_along_axis(some, around[..., None], axis=-2) for some in (starts, along))
+        corner, edge = (np.take_along_axis(some, around[..., None], axis=-2) for some in (origins, along))
     sides = np.roll(corner, -1, axis=-2) - corner
     candidates = np.concatenate(
         [
@@ -131,6 +131,6 @@ def _planes(starts: np.ndarray, along: np.ndarray, around: np.ndarray) -> Boundi
     opposed = np.sum(along * middle, axis=-1).min(axis=-1) < OPPOSED
     rounding = 4.0 * np.finfo(float).eps
     normals = np.where((ahead >= np.where(opposed, rounding, -rounding)[..., None])[..., None], normals, 0.0)
-    distances = (starts @ normals.swapaxes(-1, -2)).min(axis=-2)
-    reach = np.linalg.norm(starts, axis=-1).max(axis=-1)
+    distances = (origins @ normals.swapaxes(-1, -2)).min(axis=-2)
+    reach = np.linalg.norm(origins, axis=-1).max(axis=-1)
     return BoundingPlanes(normals, distances, np.broadcast_to(SLACK * reach[..., None], distances.shape))

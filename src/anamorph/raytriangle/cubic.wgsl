@@ -1,4 +1,4 @@
-// Where the roots of c0 + c1 x + c2 x^2 + c3 x^3 lie, to f32: cubic.py on the device.
+// Where the roots of c0 + c1 x + c2 x^2 + c3 x^3 lie, to f32: roots.py on the device.
 
 const STEPS = 50;
 // What f32 may have lost of the sum of the terms.

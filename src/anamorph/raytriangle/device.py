@@ -1,6 +1,6 @@
 """`project_points` on the graphics device, for many points and many ray triangles at once.
 
-The device has float32 only. Ray triangles' frames are made here in float64, points are taken as differences from a
+The device has float32 only. Scaled rays are made here in float64, points are taken as differences from a
 middle near by, and both go to the device as sums of two floats. There (`points.wgsl`) roots are found in float32, and
 polished, with their weights, in sums of two floats. What comes back are float64's roots, rounded to float32.
 
@@ -23,8 +23,8 @@ from anamorph.base.errors import AnamorphError
 from anamorph.gpu.bindings import STORAGE, UNIFORM, bind, layout_of
 from anamorph.gpu.buffers import storage_buffer
 from anamorph.gpu.device import get_device, of_device
-from anamorph.raytriangle.coefficients import RayTriangleFrame, ray_triangle_frame
 from anamorph.raytriangle.points import Projections
+from anamorph.raytriangle.scaled import ScaledRays, scaled_rays
 
 SHADERS = ("two_floats.wgsl", "cubic.wgsl", "weights.wgsl", "points.wgsl")
 
@@ -76,17 +76,17 @@ def project_points_on_device(origins: np.ndarray, directions: np.ndarray, points
         raise AnamorphError(f"points: must be (N, 3) coordinates, not {points.shape}")
     if not np.isfinite(points).all():
         raise AnamorphError("points: coordinates must be finite numbers")
-    frames = ray_triangle_frame(origins, directions)
-    if frames.center.ndim > 2:
-        raise AnamorphError(f"ray triangle: origins must be (3, 3) or (K, 3, 3), not {(*frames.center.shape, 3)}")
-    shape = (*frames.center.shape[:-1], len(points))
-    middle = frames.center.reshape(-1, 3).mean(axis=0) if frames.center.size else np.zeros(3)
-    triangles, around = _packed_frames(frames, middle), points - middle
+    rays = scaled_rays(origins, directions)
+    if rays.center.ndim > 2:
+        raise AnamorphError(f"ray triangle: origins must be (3, 3) or (K, 3, 3), not {(*rays.center.shape, 3)}")
+    shape = (*rays.center.shape[:-1], len(points))
+    middle = rays.center.reshape(-1, 3).mean(axis=0) if rays.center.size else np.zeros(3)
+    triangles, around = _packed_rays(rays, middle), points - middle
     if len(around) and np.abs(around).max() > LARGEST:
         raise AnamorphError(f"points: too far from the ray triangles for float32; keep them within {LARGEST:g} m")
     found = _found(triangles, _packed(around))
     flags = found["flags"][..., None] >> np.arange(6, dtype=np.uint32) & 1 != 0
-    t = found["t"] * np.reshape(frames.pace, (-1, 1, 1))
+    t = found["t"] * np.reshape(rays.pace, (-1, 1, 1))
     return Projections(
         *(
             array.reshape(*shape, 3)
@@ -103,20 +103,20 @@ def _packed(values: np.ndarray) -> np.ndarray:
     return packed
 
 
-def _packed_frames(frames: RayTriangleFrame, middle: np.ndarray) -> np.ndarray:
-    """The frames, whose points come as differences from `middle`: (K,) of `RAY_TRIANGLE`."""
-    size, shift = np.ravel(frames.size), np.ravel(frames.shift)
-    center = (frames.center - middle) + frames.remainder
+def _packed_rays(rays: ScaledRays, middle: np.ndarray) -> np.ndarray:
+    """The rays, whose points come as differences from `middle`: (K,) of `RAY_TRIANGLE`."""
+    size, shift = np.ravel(rays.size), np.ravel(rays.shift)
+    center = (rays.center - middle) + rays.remainder
     if not ((size >= SMALLEST).all() and (size <= LARGEST).all() and (np.abs(center) <= LARGEST).all()):
         raise AnamorphError(f"ray triangle: keep sizes and distances from {SMALLEST:g} to {LARGEST:g} m, for float32")
     packed = np.zeros(len(size), RAY_TRIANGLE)
-    vectors = (center[..., None, :], frames.origins, frames.directions, frames.mean[..., None, :], frames.planes)
+    vectors = (center[..., None, :], rays.origins, rays.directions, rays.mean[..., None, :], rays.planes)
     packed["vectors"] = _packed(np.concatenate(vectors, axis=-2).reshape(-1, 9, 3))
     for column, values in ((0, 1.0 / size), (2, shift)):
         packed["size_and_shift"][:, column] = values
         packed["size_and_shift"][:, column + 1] = values - packed["size_and_shift"][:, column]
-    packed["extent"], packed["blur"] = np.ravel(frames.extent), np.ravel(frames.blur)
-    packed["flat"] = np.ravel(frames.flat)
+    packed["extent"], packed["blur"] = np.ravel(rays.extent), np.ravel(rays.blur)
+    packed["flat"] = np.ravel(rays.flat)
     return packed
 
 

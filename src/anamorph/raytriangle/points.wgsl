@@ -1,10 +1,10 @@
-// Points projected into ray triangles: points.py on the device. Needs two_floats.wgsl, cubic.wgsl and
+// Points projected into ray triangles: solve.py on the device. Needs two_floats.wgsl, cubic.wgsl and
 // weights.wgsl.
 //
 // Where roots lie is found in f32, from a cubic that counts t from where the middle ray passes the point; each is then
 // polished in sums of two floats, and so are its weights.
 
-// In the frame: what is beyond is not projected, because the squares of its coordinates leave the range of f32.
+// In scaled units: what is beyond is not projected, because the squares of its coordinates leave the range of f32.
 const FARTHEST = 1e17;
 // What sums of two floats lose.
 const ROUNDING = 2.8e-14;
@@ -14,7 +14,7 @@ const ZERO = 1e-11;
 // Roots nearer to each other than this share of the way to them may be one.
 const ALIKE = 1e-6;
 
-// A RayTriangleFrame.
+// One of the `ScaledRays`.
 struct RayTriangle {
     center: Two,
     origins: array<Two, 2>,
@@ -107,7 +107,7 @@ fn polished(triangle: u32, point: Two, start: Two, unit: f32) -> Plane {
     return Plane(t, abs(value.x) <= ZERO * steepest * farthest);
 }
 
-// Near which t's the roots are, in the frame.
+// Near which t's the roots are, scaled.
 fn near_roots(triangle: u32, point: Two, middle: f32, unit: ptr<function, f32>) -> Starts {
     let rays = triangles[triangle];
     let t = two(vec3f(middle));

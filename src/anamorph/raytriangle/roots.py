@@ -1,7 +1,9 @@
-"""The real roots of one cubic or one quadratic, compiled: what `cubic` does for many at once.
+"""All the real roots of a cubic, whatever its degree turns out to be. Compiled.
 
-The same steps in the same order, so that both find the same roots: the line of t folded at -1 and 1, extrema as the
-ends of the stretches, Newton's steps kept between those ends.
+The parameter line is a circle: from -1 to 1 the cubic is used as it is, beyond it is used in 1 / t, with its
+coefficients in reverse. A vanishing leading coefficient is then a root at 1 / t = 0 and no special case, and a
+quadratic or a line comes out by itself. Between two extrema a cubic runs one way, so that the signs at the extrema say
+where its roots are, and Newton's steps kept between those ends find each.
 """
 
 from __future__ import annotations
@@ -11,10 +13,12 @@ import math
 import numpy as np
 
 from anamorph.base.compiled import compiled, inlined
-from anamorph.raytriangle.cubic import STEPS
 
 Cubic = tuple[float, float, float, float]
 """c0 to c3 of c0 + c1 t + c2 t^2 + c3 t^3."""
+
+STEPS = 100
+"""More than bisection needs to halve the distance from -1 to 1 down to a rounding error, some way towards 0."""
 
 _PRECISE = 2.0 * float(np.finfo(float).eps)
 
@@ -38,27 +42,31 @@ def insert(ascending: np.ndarray, count: int, t: float) -> int:
 
 @compiled
 def cubic_roots(c: Cubic, noise: float, reach: float, found: np.ndarray) -> int:
-    """Up to three roots in ascending order into `found` (8,), and how many; as `cubic.real_roots`."""
+    """The real roots from -reach to reach, in ascending order; how many.
+
+    A root that the cubic only touches counts twice. Where it misses touching by no more than `noise`, rounding cannot
+    tell, and it counts as touching: a root may be one too many there, but none is missed.
+
+    Parameters
+    ----------
+    c : Cubic
+    noise : float
+        By how much the sum of the cubic's terms may be off, for t from -1 to 1.
+    reach : float
+        At least 1; a root beyond it counts as one at infinity.
+    found : (8,) float64
+        Written; the first three hold the roots.
+    """
     minus, plus = cubic_value(c, -1.0) >= 0.0, cubic_value(c, 1.0) >= 0.0
-    turned = (c[3], c[2], c[1], c[0])
+    backward = (c[3], c[2], c[1], c[0])
     count, near_crossed, near_touch = _half(c, noise, minus, plus, math.inf, found, 0)
-    count, far_crossed, far_touch = _half(turned, noise, not minus, plus, reach, found, count)
+    count, far_crossed, far_touch = _half(backward, noise, not minus, plus, reach, found, count)
+    # One more double root fits only where there is one simple root at most, however often rounding sees it.
     if near_crossed + far_crossed <= 1:
         touch = near_touch if not math.isnan(near_touch) else far_touch
         if math.isfinite(touch):
             count = insert(found, insert(found, count, touch), touch)
     return min(count, 3)
-
-
-@compiled
-def quadratic_roots(c0: float, c1: float, c2: float) -> tuple[float, float]:
-    """The real roots of c0 + c1 t + c2 t^2; infinite or not a number where there is none."""
-    inside = c1 * c1 - 4.0 * c0 * c2
-    if inside < 0.0:
-        return math.nan, math.nan
-    # The sum that does not cancel; the other root is the product of the roots divided by this one.
-    larger = -0.5 * (c1 + math.copysign(math.sqrt(inside), c1))
-    return larger / c2, c0 / larger
 
 
 @compiled
@@ -70,6 +78,7 @@ def _half(
     Returns how many roots `found` holds now, how often the cubic crosses zero here, and where it touches it: not a
     number if nowhere, infinite if beyond reach.
     """
+    # Both halves of the circle take the signs at -1 and 1 from the same values: a root there is found by one of them.
     first_extremum, second_extremum = _extrema(c)
     crossed, touch = 0, math.nan
     low, below, crossed_before = -1.0, first, False
@@ -109,6 +118,7 @@ def _extrema(c: Cubic) -> tuple[float, float]:
     inside = half_b * half_b - a * c[1]
     if inside < 0.0:
         return 2.0, 2.0
+    # The sum that does not cancel; the other root is the product of the roots divided by this one.
     larger = -(half_b + math.copysign(math.sqrt(inside), half_b))
     if larger == 0.0:
         return (2.0, 2.0) if a == 0.0 else (0.0, 0.0)

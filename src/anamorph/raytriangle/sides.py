@@ -11,7 +11,7 @@ Put in a point at weight w of the third ray and weight a of the edge's second, a
 and w and quadratic in t. Where that keeps one sign over the whole volume, the side decides; where it does not, the edge
 culls nothing.
 
-In float32 the same sums serve with 1e-5 for `NOISE`, formed in the frame of the ray triangle.
+In float32 the same sums serve with 1e-5 for `NOISE`, formed in the ray triangle's own units.
 """
 
 from __future__ import annotations
@@ -20,7 +20,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from anamorph.raytriangle.coefficients import SAME, SPREAD, RayTriangleFrame, ray_triangle_frame
+from anamorph.raytriangle.factors import SAME
+from anamorph.raytriangle.scaled import SPREAD, ScaledRays, scaled_rays
 
 NOISE = 1e-12
 """The share of its terms that rounding may take from S, and by which a nearly plane side may be bent."""
@@ -28,13 +29,13 @@ NOISE = 1e-12
 
 @dataclass(frozen=True, eq=False)
 class SideSurfaces:
-    """The three surfaces of each ray triangle, in its frame: S(d) = linear . d - (first . d) (second . d).
+    """The three surfaces of each ray triangle, in its own units: S(d) = linear . d - (first . d) (second . d).
 
     Parameters
     ----------
-    frame : RayTriangleFrame
-    starts : (..., 3, 3) float64
-        Where d is counted from, for each edge.
+    rays : ScaledRays
+    edges : (..., 3, 3) float64
+        Where d is counted from, for each edge: its first ray's origin.
     linear, first, second : (..., 3, 3) float64
         First and second are 0 where the side is a plane.
     inner : (..., 3) float64
@@ -43,8 +44,8 @@ class SideSurfaces:
         How far beyond 0 S may be inside all the same, at a distance of 1: slivers sway by as much as rounding hides.
     """
 
-    frame: RayTriangleFrame
-    starts: np.ndarray
+    rays: ScaledRays
+    edges: np.ndarray
     linear: np.ndarray
     first: np.ndarray
     second: np.ndarray
@@ -53,7 +54,7 @@ class SideSurfaces:
 
     def outside(self, points: np.ndarray) -> np.ndarray:
         """Whether points (..., N, 3) are beyond a side, (..., N) bool: true only for points that are not seen."""
-        off = self.frame.local(np.asarray(points, float))[..., None, :, :] - self.starts[..., None, :]
+        off = self.rays.local(np.asarray(points, float))[..., None, :, :] - self.edges[..., None, :]
 
         def along(form: np.ndarray) -> np.ndarray:
             return np.einsum("...ei,...eni->...en", form, off)
@@ -82,10 +83,10 @@ def side_surfaces(origins: np.ndarray, directions: np.ndarray, reach: float = np
     AnamorphError
         If a number is not finite, or all directions of a ray triangle are 0.
     """
-    frame = ray_triangle_frame(origins, directions)
-    n = frame.mean[..., None, :] + SPREAD.T @ frame.directions
+    rays = scaled_rays(origins, directions)
+    n = rays.mean[..., None, :] + SPREAD.T @ rays.directions
     # Back from the waist to where the rays start.
-    p = SPREAD.T @ frame.origins - frame.shift[..., None, None] * n
+    p = SPREAD.T @ rays.origins - rays.shift[..., None, None] * n
     e, f = np.roll(p, -1, axis=-2) - p, np.roll(n, -1, axis=-2) - n
     g, h = np.roll(p, -2, axis=-2) - p, np.roll(n, -2, axis=-2) - n
     first, second = np.cross(n, f), np.cross(f, e)
@@ -98,9 +99,9 @@ def side_surfaces(origins: np.ndarray, directions: np.ndarray, reach: float = np
     plane = np.abs(k) <= SAME * np.linalg.norm(normal, axis=-1, keepdims=True)
     linear = np.where(plane, normal, k * across)
     first, second = np.where(plane, 0.0, first), np.where(plane, 0.0, second)
-    end = np.broadcast_to(reach / frame.pace, frame.pace.shape)
+    end = np.broadcast_to(reach / rays.pace, rays.pace.shape)
     inner, slack = _inner(linear, first, second, k, plane, g, h, end)
-    return SideSurfaces(frame, p, linear, first, second, inner, slack)
+    return SideSurfaces(rays, p, linear, first, second, inner, slack)
 
 
 def _dot(a: np.ndarray, b: np.ndarray) -> np.ndarray:

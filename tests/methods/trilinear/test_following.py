@@ -9,11 +9,11 @@ from hypothesis import strategies as st
 
 from anamorph.base.errors import AnamorphError
 from anamorph.methods.trilinear.beams import make_beams
+from anamorph.methods.trilinear.box_tree import make_tree
 from anamorph.methods.trilinear.following import following_rays
-from anamorph.methods.trilinear.pairs import ALL, Own, Triangles
+from anamorph.methods.trilinear.pairs import ALL, Own
 from anamorph.methods.trilinear.plan import Plan, Planner
 from anamorph.methods.trilinear.samples import LEAST_EXTENT, OUTSIDE, samples
-from anamorph.methods.trilinear.tree import make_tree
 
 SIZE = (400, 400)
 QUICK = settings(max_examples=60, phases=(Phase.explicit, Phase.generate))
@@ -22,9 +22,9 @@ KINDS = ["any", "flat", "parallel", "nearly parallel", "pinhole", "edge-on", "th
 
 def plan_of(beams, corners):
     tree, count = make_tree(corners), len(beams.number)
-    triangles = Triangles(tree.faces, tree.low, tree.high, tree.corners, np.zeros(len(corners), np.int32))
+    group = np.zeros(len(corners), np.int32)
     own = Own(np.full(count, -1, np.int32), np.ones(count, np.int32), np.full(count, ALL, np.int32))
-    return Planner().plan(beams, triangles, own)
+    return Planner().plan(beams, tree, group, own)
 
 
 def fronts(plan):

@@ -163,9 +163,9 @@ def test_depth_follows_the_option():
     for bounces in (1, 4):
         session = open_view(scene, METHOD.format(bounces), SMALL)
         session.draw(scene.camera)
-        assert len(session._drawing._sights) == bounces
+        assert len(session._drawing._planned) == bounces
     camera = cameras.pinhole(scene.camera, SMALL)
     method, options = parse(METHOD.format(2))
     session = method.open(View(scene, camera, SMALL), options)
     session.draw(camera)
-    assert len(session._drawing._sights) == 3
+    assert len(session._drawing._planned) == 3

@@ -10,11 +10,12 @@ from scenes import SIZE, open_view
 
 from anamorph.base.compiled import compiled
 from anamorph.gallery import make
-from anamorph.methods.trilinear.inside import is_inside, span
 from anamorph.methods.trilinear.pixels import seen_pixels
 from anamorph.methods.trilinear.plan import Plan
+from anamorph.methods.trilinear.polygons import span
 from anamorph.methods.trilinear.ray_layer import piece_corners
 from anamorph.methods.trilinear.ray_records import RAY_TRIANGLE, SPECULAR, following_records
+from anamorph.methods.trilinear.terms import is_inside
 
 QUICK = settings(max_examples=60)
 SEEDS = st.integers(0, 2**32 - 1)
@@ -133,7 +134,7 @@ def sights():
     session = open_view(scene, "trilinear", SIZE)
     session.draw(scene.camera)
     drawing = session._drawing
-    return drawing._sights, drawing._world
+    return drawing._planned, drawing._triangles
 
 
 def test_following_rays_know_what_they_follow_and_how_light_came(sights):

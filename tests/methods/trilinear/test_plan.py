@@ -25,8 +25,10 @@ from anamorph import cameras
 from anamorph.gallery import make
 from anamorph.gallery.cube import CAMERA, cube_scene
 from anamorph.methods.trilinear import plan as plan_module
-from anamorph.methods.trilinear.pairs import ALL, FRONTS, NONE, ROUNDING, TERMS, Own, make_room
+from anamorph.methods.trilinear.pairs import ALL, FRONTS, NONE, Own
+from anamorph.methods.trilinear.pieces import make_workspace
 from anamorph.methods.trilinear.plan import Plan, Planner
+from anamorph.methods.trilinear.terms import ROUNDING, TERMS
 from anamorph.optics.reflection import reflected_rays, reflector
 from anamorph.raymesh import RayMesh
 from anamorph.scene.geometry import flatten
@@ -138,12 +140,12 @@ def test_nothing_to_see_and_nothing_that_sees(count):
 
 
 @pytest.mark.parametrize("use", [1, 2, 5])
-def test_any_number_of_cores_and_any_room_give_the_same_plan(use, monkeypatch):
+def test_any_number_of_cores_and_any_capacity_give_the_same_plan(use, monkeypatch):
     rays, triangles = scene(200)
     _, expected = planned(rays, triangles)
     assert len(expected.pair) > 500
     monkeypatch.setattr(plan_module, "cores", lambda: use)
-    monkeypatch.setattr(plan_module, "make_room", growing_from(3, 7))
+    monkeypatch.setattr(plan_module, "make_workspace", growing_from(3, 7))
     planner = Planner()
     for _ in range(2):
         _, plan = planned(rays, triangles, planner=planner)
@@ -152,8 +154,8 @@ def test_any_number_of_cores_and_any_room_give_the_same_plan(use, monkeypatch):
 
 
 def growing_from(pairs: int, pieces: int):
-    """Rooms that are small at first."""
-    return lambda wanted, more: make_room(*((pairs, pieces) if wanted == 1024 else (wanted, more)))
+    """Arrays that are small at first."""
+    return lambda wanted, more: make_workspace(*((pairs, pieces) if wanted == 1024 else (wanted, more)))
 
 
 @pytest.mark.parametrize("sees", [ALL, FRONTS, NONE])

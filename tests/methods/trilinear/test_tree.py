@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from anamorph.methods.trilinear.tree import LEAF, Tree, make_tree, moved_tree
+from anamorph.methods.trilinear.box_tree import LEAF, BoxTree, make_tree, moved_tree
 
 COUNTS = [0, 1, 2, LEAF, LEAF + 1, 8 * LEAF, 8 * LEAF + 1, 1000]
 KINDS = ["anywhere", "in a plane", "on a line", "at a point", "two heaps", "huge and tiny"]
@@ -30,7 +30,7 @@ def soup(kind: str, count: int, seed: int = 0) -> np.ndarray:
     return corners
 
 
-def assert_sound(tree: Tree, corners: np.ndarray) -> None:
+def assert_sound(tree: BoxTree, corners: np.ndarray) -> None:
     """Each triangle stands in one leaf, boxes hold what is below them, and no box is larger than that."""
     assert tree.faces.dtype == np.int32
     assert sorted(tree.faces) == list(range(len(corners)))

@@ -19,17 +19,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from anamorph.methods.trilinear.domains import extent_of, given_domains, own_domains
 from anamorph.raytriangle.boxes import SLACK, BoundingPlanes, beam_planes, bounding_planes
-from anamorph.raytriangle.coefficients import checked
-
-PADDING = 1.0 / 32.0
-"""Pixels by which whatever is drawn reaches beyond what must be: more than rounding and the rasterizer's grid take."""
-
-MOST_CORNERS = 8
-"""Of the picture's rectangle after three cuts, with one to spare."""
-
-LEAST_SCALE = 2.0**-10
-"""A given part of the picture is cut off where s falls below this share of its most: there the rays are none."""
+from anamorph.raytriangle.scaled import checked
 
 FLAT = 1e-9
 """A ray triangle whose picture is thinner than this, as a share of its length, covers no pixel."""
@@ -120,9 +112,9 @@ def make_beams(
     flat = np.abs(np.linalg.det(picture)) <= FLAT * np.prod(length, axis=-1) / max(*size, 1)
     inverse = np.linalg.inv(np.where(flat[:, None, None], np.eye(3), picture))
     if domain is None:
-        part, corners = _domains(inverse, size)
+        part, corners = own_domains(inverse, size)
     else:
-        part, corners = _given_domains(np.asarray(domain, float) - start[:, None], inverse.sum(axis=2), start, size)
+        part, corners = given_domains(np.asarray(domain, float) - start[:, None], inverse.sum(axis=2), start, size)
     shown = np.flatnonzero(~flat & (corners >= 3))
     picture, origins, directions = (
         picture[shown],
@@ -164,7 +156,7 @@ def make_beams(
         moment=_products(np.cross(direction.swapaxes(1, 2)[:, :, None], origin.swapaxes(1, 2)[:, None])),
         domain=part,
         corners=corners,
-        extent=_extent(part, corners),
+        extent=extent_of(part, corners),
         normals=planes.normals,
         distances=planes.distances - slack,
         spacing=spacing,
@@ -197,51 +189,11 @@ def making_beams(
     return Beams(spacing=spacing, **arrays)
 
 
-def _extent(part: np.ndarray, corners: np.ndarray) -> np.ndarray:
-    """Middles and half extents (K, 4) of the boxes around polygons."""
-    used = np.where((np.arange(part.shape[1]) < corners[:, None])[..., None], part, part[:, :1])
-    low, high = used.min(axis=1), used.max(axis=1)
-    return np.concatenate([0.5 * (low + high), 0.5 * (high - low)], axis=1)
-
-
 def _products(outer: np.ndarray) -> np.ndarray:
     """Six terms (K, 6, 3) from the products (K, 3, 3, 3) of two linear functions' terms, those of x, y and 1."""
     pairs = ((0, 0), (0, 1), (1, 1), (0, 2), (1, 2), (2, 2))
     terms = [outer[:, i, j] + (outer[:, j, i] if i != j else 0.0) for i, j in pairs]
     return np.stack(terms, axis=1) if len(outer) else np.zeros((0, 6, 3))
-
-
-def _domains(inverse: np.ndarray, size: tuple[int, int]) -> tuple[np.ndarray, np.ndarray]:
-    """The picture's rectangle cut along the sides of each triangle: corners (K, 8, 2), and how many there are."""
-    width, height = size
-    count = len(inverse)
-    polygon = np.zeros((count, MOST_CORNERS, 2))
-    polygon[:, :4] = [(-1.0, -1.0), (width + 1.0, -1.0), (width + 1.0, height + 1.0), (-1.0, height + 1.0)]
-    corners = np.full(count, 4)
-    for side in range(3):
-        gradient = inverse[:, :2, side]
-        offset = inverse[:, 2, side] + PADDING * np.linalg.norm(gradient, axis=1)
-        polygon, corners = _cut(polygon, corners, gradient, offset)
-    return polygon, corners
-
-
-def _given_domains(
-    domain: np.ndarray, scale: np.ndarray, start: np.ndarray, size: tuple[int, int]
-) -> tuple[np.ndarray, np.ndarray]:
-    """Given domains (K, C, 2), relative to `start`, as far as the picture goes and s is positive: see `_domains`."""
-    count, given = domain.shape[:2]
-    following = np.roll(domain, -1, axis=1)
-    extent = np.sum(domain[..., 0] * following[..., 1] - domain[..., 1] * following[..., 0], axis=1)
-    most = (np.einsum("kci,ki->kc", domain, scale[:, :2]) + scale[:, 2:]).max(axis=1)
-    polygon = np.zeros((count, given + 6, 2))
-    polygon[:, :given] = domain
-    corners = np.where((extent != 0.0) & (most > 0.0), given, 0)
-    for axis in range(2):
-        outward = np.zeros((count, 2))
-        outward[:, axis] = 1.0
-        polygon, corners = _cut(polygon, corners, outward, start[:, axis] + 1.0)
-        polygon, corners = _cut(polygon, corners, -outward, size[axis] + 1.0 - start[:, axis])
-    return _cut(polygon, corners, scale[:, :2], scale[:, 2] - LEAST_SCALE * most)
 
 
 def _planes_of(
@@ -256,25 +208,5 @@ def _planes_of(
     used = np.where(np.arange(part.shape[1]) < corners[:, None], np.arange(part.shape[1]), 0)
     place = np.concatenate([np.take_along_axis(part, used[..., None], axis=1), np.ones((*used.shape, 1))], axis=2)
     s = np.einsum("kcq,kq->kc", place, scale)[..., None]
-    starts = place @ origin.swapaxes(1, 2) / s + anchor[:, None]
-    return beam_planes(starts, place @ direction.swapaxes(1, 2), np.arange(4) * corners[:, None] // 4)
-
-
-def _cut(
-    polygon: np.ndarray, corners: np.ndarray, gradient: np.ndarray, offset: np.ndarray
-) -> tuple[np.ndarray, np.ndarray]:
-    """What of convex polygons (K, C, 2) has gradient . place + offset >= 0."""
-    count, room = polygon.shape[:2]
-    rows, slots = np.arange(count), np.arange(room)
-    following = np.where(slots + 1 < corners[:, None], slots + 1, 0)
-    height = np.einsum("ksi,ki->ks", polygon, gradient) + offset[:, None]
-    ahead = height[rows[:, None], following]
-    used = slots < corners[:, None]
-    kept, crosses = used & (height >= 0.0), used & ((height >= 0.0) != (ahead >= 0.0))
-    # Each corner gives up to two: itself, and the crossing that follows.
-    share = np.where(crosses, height / np.where(crosses, height - ahead, 1.0), 0.0)
-    crossing = polygon + share[..., None] * (polygon[rows[:, None], following] - polygon)
-    both = np.stack([polygon, crossing], axis=2).reshape(count, 2 * room, 2)
-    wanted = np.stack([kept, crosses], axis=2).reshape(count, 2 * room)
-    order = np.argsort(~wanted, axis=1, kind="stable")[:, :room]
-    return both[rows[:, None], order], wanted.sum(axis=1)
+    origins = place @ origin.swapaxes(1, 2) / s + anchor[:, None]
+    return beam_planes(origins, place @ direction.swapaxes(1, 2), np.arange(4) * corners[:, None] // 4)

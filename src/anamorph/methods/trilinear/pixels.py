@@ -5,8 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from anamorph.base.compiled import compiled, over_all_cores
-from anamorph.methods.trilinear.inside import is_inside, span
 from anamorph.methods.trilinear.plan import Plan
+from anamorph.methods.trilinear.polygons import span
+from anamorph.methods.trilinear.terms import is_inside
 
 GRAIN = 256
 

@@ -11,7 +11,9 @@ import numpy as np
 from anamorph.base.compiled import cores, steps_over_all_cores
 from anamorph.base.steps import drain
 from anamorph.methods.trilinear.beams import Beams
-from anamorph.methods.trilinear.pairs import Own, Room, Triangles, fill, make_room
+from anamorph.methods.trilinear.box_tree import BoxTree
+from anamorph.methods.trilinear.pairs import Own, fill
+from anamorph.methods.trilinear.pieces import Workspace, make_workspace
 
 PIECES_A_PAIR = 4
 SHARES_A_CORE = 4
@@ -51,52 +53,52 @@ class Planner:
     def __init__(self) -> None:
         self._thread = threading.local()
 
-    def plan(self, beams: Beams, triangles: Triangles, own: Own) -> Plan:
-        """What each ray triangle sees of the scene's triangles."""
-        return drain(self.planning(beams, triangles, own))
+    def plan(self, beams: Beams, tree: BoxTree, group: np.ndarray, own: Own) -> Plan:
+        """What each ray triangle sees of the triangles of a tree, each of which belongs to a `group` (M,)."""
+        return drain(self.planning(beams, tree, group, own))
 
-    def planning(self, beams: Beams, triangles: Triangles, own: Own) -> Generator[None, None, Plan]:
+    def planning(self, beams: Beams, tree: BoxTree, group: np.ndarray, own: Own) -> Generator[None, None, Plan]:
         """The same, in steps."""
         count = len(beams.number)
         grain = min(max(1, -(-count // (SHARES_A_CORE * cores()))), LARGEST_SHARE)
         found: dict[int, list[tuple[np.ndarray, ...]]] = {}
 
         def work(start: int, stop: int) -> None:
-            found[start] = self._share(beams, triangles, own, start, stop)
+            found[start] = self._share(beams, tree, group, own, start, stop)
 
         yield from steps_over_all_cores(work, count, grain)
         parts = [part for start in sorted(found) for part in found[start]]
         if not parts:
-            parts = [self._copied(make_room(1, 1), 0, 0)]
+            parts = [self._copied(make_workspace(1, 1), 0, 0)]
         first = np.cumsum([0, *(len(part[0]) for part in parts)])
         owner = np.concatenate([part[3] + offset for part, offset in zip(parts, first, strict=False)])
         pair, terms, place = (np.concatenate([part[i] for part in parts]) for i in range(3))
         return Plan(pair, terms, place, owner.astype(np.int32))
 
     def _share(
-        self, beams: Beams, triangles: Triangles, own: Own, start: int, stop: int
+        self, beams: Beams, tree: BoxTree, group: np.ndarray, own: Own, start: int, stop: int
     ) -> list[tuple[np.ndarray, ...]]:
-        room = self._room()
+        work = self._workspace()
         parts = []
         while start < stop:
-            following, pairs, pieces = fill(beams, triangles, own, start, stop, room)
+            following, pairs, pieces = fill(beams, tree, group, own, start, stop, work)
             if pairs:
-                parts.append(self._copied(room, pairs, pieces))
+                parts.append(self._copied(work, pairs, pieces))
             if following == start:
-                room = self._thread.room = make_room(2 * len(room.pair), 2 * len(room.owner))
+                work = self._thread.work = make_workspace(2 * len(work.pair), 2 * len(work.owner))
             start = following
         return parts
 
-    def _room(self) -> Room:
+    def _workspace(self) -> Workspace:
         """The calling thread's own arrays, as large as they have had to be."""
-        if not hasattr(self._thread, "room"):
-            self._thread.room = make_room(1024, PIECES_A_PAIR * 1024)
-        room: Room = self._thread.room
-        return room
+        if not hasattr(self._thread, "work"):
+            self._thread.work = make_workspace(1024, PIECES_A_PAIR * 1024)
+        work: Workspace = self._thread.work
+        return work
 
     @staticmethod
-    def _copied(room: Room, pairs: int, pieces: int) -> tuple[np.ndarray, ...]:
+    def _copied(work: Workspace, pairs: int, pieces: int) -> tuple[np.ndarray, ...]:
         return (
-            room.pair[:pairs].copy(), room.terms[:pairs].copy(),
-            room.place[:pieces].copy(), room.owner[:pieces].copy(),
+            work.pair[:pairs].copy(), work.terms[:pairs].copy(),
+            work.place[:pieces].copy(), work.owner[:pieces].copy(),
         )  # fmt: skip

@@ -1,4 +1,4 @@
-"""Convex polygons of the picture in compiled loops: held in arrays with room for `ROOM` corners, cut by half-planes."""
+"""Convex polygons of the picture, held in arrays of `CAPACITY` corners and cut by half-planes. Compiled."""
 
 from __future__ import annotations
 
@@ -6,14 +6,14 @@ import numpy as np
 
 from anamorph.base.compiled import compiled, inlined
 
-ROOM = 24
-"""Corners that there is room for. A cut that would need more is left out, which keeps more than it must."""
+CAPACITY = 24
+"""The most corners. A cut that would need more is left out, which keeps more than it must."""
 
 
 @inlined
 def cut(polygon: np.ndarray, count: int, other: np.ndarray, a: float, b: float, c: float) -> int:
     """Keep of `polygon` what has a x + b y + c >= 0; `other` is used on the way. Returns the corners that are left."""
-    if count < 3 or count >= ROOM - 1:
+    if count < 3 or count >= CAPACITY - 1:
         return count
     lowest = np.inf
     for k in range(count):
@@ -61,3 +61,17 @@ def box(polygon: np.ndarray, count: int) -> tuple[float, float, float, float]:
         low_x, high_x = min(low_x, polygon[k, 0]), max(high_x, polygon[k, 0])
         low_y, high_y = min(low_y, polygon[k, 1]), max(high_y, polygon[k, 1])
     return 0.5 * (low_x + high_x), 0.5 * (low_y + high_y), 0.5 * (high_x - low_x), 0.5 * (high_y - low_y)
+
+
+@inlined
+def span(polygon: np.ndarray, count: int, y: float) -> tuple[float, float]:
+    """Where a convex polygon is crossed by the line at y: least and greatest x."""
+    low, high = np.inf, -np.inf
+    last = count - 1
+    for k in range(count):
+        x0, y0, x1, y1 = polygon[last, 0], polygon[last, 1], polygon[k, 0], polygon[k, 1]
+        last = k
+        if (y0 <= y) != (y1 <= y):
+            x = x0 + (y - y0) / (y1 - y0) * (x1 - x0)
+            low, high = min(low, x), max(high, x)
+    return low, high

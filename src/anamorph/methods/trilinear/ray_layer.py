@@ -6,7 +6,7 @@ come from ray_triangles.py; those of the next follow from what it sees of mirror
 
 from __future__ import annotations
 
-from collections.abc import Generator
+from collections.abc import Callable, Generator
 from dataclasses import dataclass
 
 import numpy as np
@@ -15,22 +15,24 @@ import wgpu
 from anamorph.gpu.drawing import ProjectionUniform
 from anamorph.gpu.recording import Recorder
 from anamorph.methods.trilinear.beams import Beams, making_beams
+from anamorph.methods.trilinear.box_tree import BoxTree
 from anamorph.methods.trilinear.coloring import Coloring
 from anamorph.methods.trilinear.following import following_rays
-from anamorph.methods.trilinear.pairs import FRONTS, Own, Triangles
+from anamorph.methods.trilinear.pairs import FRONTS, Own
 from anamorph.methods.trilinear.pixels import seen_pixels
 from anamorph.methods.trilinear.plan import Plan, Planner
 from anamorph.methods.trilinear.ray_records import (
     following_records,
     pair_records,
     piece_records,
-    straight_records,
     triangle_records,
 )
 from anamorph.methods.trilinear.ray_triangles import RayTriangles
-from anamorph.methods.trilinear.straight.straight import straight_pieces
-from anamorph.methods.trilinear.tree import Tree
 from anamorph.methods.trilinear.visibility import FINENESS, Visibility
+
+Straight = Callable[[np.ndarray, np.ndarray, np.ndarray, np.ndarray, np.ndarray], np.ndarray]
+"""What makes pieces with straight edges: of ray triangles' pictures, origins and directions, all scene triangles'
+corners, and pairs of both."""
 
 AROUND = 1.0 / 8.0
 """Pixels by which rays that follow are planned beyond the middles of the pixels that ask for them. Next to the curved
@@ -38,12 +40,12 @@ mirror that they left they spread wide: a whole pixel's may see all of the scene
 
 
 @dataclass(frozen=True, eq=False)
-class World:
-    """The scene's triangles, F of them.
+class SceneTriangles:
+    """The scene's triangles, F of them, with their tree.
 
     Parameters
     ----------
-    tree : Tree
+    tree : BoxTree
     corners, normals : (F, 3, 3) float64
     group : (F,) int32
         See `body_groups`.
@@ -54,7 +56,7 @@ class World:
         What is nearer than this to where its ray starts is that itself, metres.
     """
 
-    tree: Tree
+    tree: BoxTree
     corners: np.ndarray
     normals: np.ndarray
     group: np.ndarray
@@ -64,8 +66,8 @@ class World:
 
 
 @dataclass(frozen=True, eq=False)
-class Sight:
-    """What a layer has seen in a frame, from which the next follows.
+class LayerPlan:
+    """What was planned for a layer in a frame, from which the next one follows.
 
     Parameters
     ----------
@@ -82,17 +84,8 @@ class Sight:
     pairs: np.ndarray
 
 
-@dataclass(frozen=True)
-class Straight:
-    """How straight edges are drawn: see the method's options."""
-
-    tessellate: int
-    slices: int
-    scene_clip: bool
-
-
-class Layer:
-    """One layer of light of one line of the spectrum. What may take long is done in steps."""
+class RayLayer:
+    """The rays of one bounce, of one line of the spectrum. What may take long is done in steps."""
 
     def __init__(
         self, visibility: Visibility, coloring: Coloring, size: tuple[int, int], straight: Straight | None = None
@@ -103,55 +96,52 @@ class Layer:
         self._spacing = 0.0 if straight is not None else 1.0 / FINENESS if visibility.fine is not None else 1.0
         self._planner = Planner()
 
-    def beams(self, rays: RayTriangles, world: World) -> Generator[None, None, Beams]:
+    def beams(self, rays: RayTriangles, triangles: SceneTriangles) -> Generator[None, None, Beams]:
         """The rays that exist, as functions of the picture."""
         chosen = np.flatnonzero(rays.exists)
         picture, origins, directions = (each[chosen] for each in (rays.picture, rays.origins, rays.directions))
-        beams = yield from making_beams(picture, origins, directions, self._size, world.near, self._spacing)
+        beams = yield from making_beams(picture, origins, directions, self._size, triangles.near, self._spacing)
         return beams._replace(number=chosen[beams.number].astype(np.int32))
 
-    def plan(self, rays: RayTriangles, beams: Beams, world: World) -> Generator[None, None, Plan]:
+    def plan(self, rays: RayTriangles, beams: Beams, triangles: SceneTriangles) -> Generator[None, None, Plan]:
         """What the rays see."""
-        shown, tree = beams.number, world.tree
+        shown = beams.number
         own = Own(rays.face[shown], rays.group[shown], rays.sees[shown])
-        triangles = Triangles(tree.faces, tree.low, tree.high, tree.corners, world.group)
-        return (yield from self._planner.planning(beams, triangles, own))
+        return (yield from self._planner.planning(beams, triangles.tree, triangles.group, own))
 
     def first(
-        self, rays: RayTriangles, beams: Beams, records: np.ndarray, world: World
-    ) -> Generator[None, None, Sight]:
+        self, rays: RayTriangles, beams: Beams, records: np.ndarray, triangles: SceneTriangles
+    ) -> Generator[None, None, LayerPlan]:
         """Take over the rays that leave the surfaces first met; `records` are those of `triangle_records`."""
-        plan = yield from self.plan(rays, beams, world)
-        pairs = pair_records(beams, plan, world.group > 0)
-        self.visibility.write(records, pairs, self._pieces(rays, beams, plan, world))
-        return Sight(beams, plan, records, pairs)
+        plan = yield from self.plan(rays, beams, triangles)
+        pairs = pair_records(beams, plan, triangles.group > 0)
+        self.visibility.write(records, pairs, self._pieces(rays, beams, plan, triangles))
+        return LayerPlan(beams, plan, records, pairs)
 
-    def _pieces(self, rays: RayTriangles, beams: Beams, plan: Plan, world: World) -> np.ndarray:
+    def _pieces(self, rays: RayTriangles, beams: Beams, plan: Plan, triangles: SceneTriangles) -> np.ndarray:
         if self._straight is None:
             return piece_records(beams, plan)
         # Those left out may have no direction at all.
         shown = beams.number
-        pieces = straight_pieces(
-            rays.picture[shown], rays.origins[shown], rays.directions[shown], world.corners, plan.pair[:, :2],
-            tessellate=self._straight.tessellate, slices=self._straight.slices, scene_clip=self._straight.scene_clip,
-        )  # fmt: skip
-        return straight_records(pieces)
+        return self._straight(
+            rays.picture[shown], rays.origins[shown], rays.directions[shown], triangles.corners, plan.pair[:, :2]
+        )
 
-    def follow(self, before: Sight, world: World) -> Generator[None, None, Sight | None]:
+    def follow(self, before: LayerPlan, triangles: SceneTriangles) -> Generator[None, None, LayerPlan | None]:
         """Take over the rays that mirrors send on which the layer before sees; None where it sees none."""
         pair = before.plan.pair
-        chosen = np.flatnonzero((pair[:, 2] == 1) & world.mirror[pair[:, 1]])
+        chosen = np.flatnonzero((pair[:, 2] == 1) & triangles.mirror[pair[:, 1]])
         box, pixels = seen_pixels(before.plan, chosen)
         chosen, box = chosen[pixels > 0], box[pixels > 0]
         if not len(chosen):
             return None
-        sent = following_rays(before.beams, before.plan, chosen, world.corners, world.normals)
+        sent = following_rays(before.beams, before.plan, chosen, triangles.corners, triangles.normals)
         yield
         # The rectangle of the middles of the pixels that see the mirror: pieces may reach further.
         low_high = box + AROUND * np.array([-1.0, -1.0, 1.0, 1.0])
         domain = low_high[:, [[0, 1], [2, 1], [2, 3], [0, 3]]] + before.beams.center[pair[chosen, 0]][:, None]
         beams = yield from making_beams(
-            sent.picture, sent.origins, sent.directions, self._size, world.near, 1.0, domain
+            sent.picture, sent.origins, sent.directions, self._size, triangles.near, 1.0, domain
         )
         if not len(beams.number):
             return None
@@ -161,18 +151,18 @@ class Layer:
         rays = RayTriangles(
             sent.picture, sent.origins, sent.directions, np.ones((count, 3)),
             np.ones(count, bool), np.zeros(count, bool),
-            face, world.object[face], world.group[face], np.full(count, FRONTS, np.int32), nothing,
+            face, triangles.object[face], triangles.group[face], np.full(count, FRONTS, np.int32), nothing,
         )  # fmt: skip
-        plan = yield from self.plan(rays, beams, world)
+        plan = yield from self.plan(rays, beams, triangles)
         records = following_records(
             triangle_records(rays, beams), beams, before.beams, before.plan, before.records, before.pairs, chosen
         )
         yield
-        pairs = pair_records(beams, plan, world.group > 0)
+        pairs = pair_records(beams, plan, triangles.group > 0)
         drawn = piece_corners(records, before.beams, before.plan, chosen)
         yield
         self.visibility.write(drawn, pairs, piece_records(beams, plan))
-        return Sight(beams, plan, records, pairs)
+        return LayerPlan(beams, plan, records, pairs)
 
     def draw(
         self, encoder: wgpu.GPUCommandEncoder, recorder: Recorder, projection: ProjectionUniform, clear: bool

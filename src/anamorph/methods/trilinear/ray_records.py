@@ -7,15 +7,12 @@ import numpy as np
 from anamorph.methods.trilinear.beams import Beams
 from anamorph.methods.trilinear.plan import Plan
 from anamorph.methods.trilinear.ray_triangles import RayTriangles
-from anamorph.methods.trilinear.straight.straight import StraightPieces
 from anamorph.projection import camera_projection
 from anamorph.scene.camera import Camera
 
 PAIR = np.dtype([("terms", "f4", 24), ("center", "f4", 2), ("ray_triangle", "u4"), ("seen", "u4")])
 
 PIECE = np.dtype([("place", "f4", 6), ("pair", "u4")])
-
-STRAIGHT_CORNER = np.dtype([("place", "f4", 2), ("weights", "f4", 2), ("t", "f4"), ("pair", "u4")])
 
 RAY_TRIANGLE = np.dtype(
     [
@@ -122,11 +119,3 @@ def piece_records(beams: Beams, plan: Plan) -> np.ndarray:
     place = plan.place + beams.center[plan.pair[plan.owner, 0]][:, None]
     records["place"], records["pair"] = place.reshape(-1, 6), plan.owner
     return records
-
-
-def straight_records(pieces: StraightPieces) -> np.ndarray:
-    """The corners of pieces with straight edges, (3 T,) of `STRAIGHT_CORNER`."""
-    records = np.zeros((len(pieces.pair), 3), STRAIGHT_CORNER)
-    records["place"], records["weights"], records["t"] = pieces.place, pieces.weights, pieces.t
-    records["pair"] = pieces.pair[:, None]
-    return records.ravel()

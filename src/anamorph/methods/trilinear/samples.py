@@ -11,8 +11,8 @@ from __future__ import annotations
 import numpy as np
 
 from anamorph.base.compiled import compiled, inlined
-from anamorph.methods.trilinear.pairs import ACROSS
 from anamorph.methods.trilinear.plan import Plan
+from anamorph.methods.trilinear.terms import ACROSS
 
 OUTSIDE = -0.25
 """The least weight of a scene triangle's corner at a sample, but where `LEAST_EXTENT` asks for more."""
@@ -48,8 +48,8 @@ def samples(plan: Plan, chosen: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """
     first, stop = np.searchsorted(plan.owner, chosen, "left"), np.searchsorted(plan.owner, chosen, "right")
     place, box = np.empty((len(chosen), 3, 2)), np.empty((len(chosen), 4))
-    room = np.empty((int(3 * (stop - first).max(initial=0)), 2))
-    _spread(plan.place.reshape(-1, 2), 3 * first, 3 * stop, plan.terms[chosen], room, place, box)
+    moved = np.empty((int(3 * (stop - first).max(initial=0)), 2))
+    _spread(plan.place.reshape(-1, 2), 3 * first, 3 * stop, plan.terms[chosen], moved, place, box)
     return place, box
 
 
@@ -103,7 +103,7 @@ def _spread(
     first: np.ndarray,
     stop: np.ndarray,
     terms: np.ndarray,
-    room: np.ndarray,
+    moved: np.ndarray,
     place: np.ndarray,
     box: np.ndarray,
 ) -> None:
@@ -119,19 +119,19 @@ def _spread(
                     break
                 share = 0.5 if halved < HALVINGS else 0.0
                 x, y = x0 + share * (x - x0), y0 + share * (y - y0)
-            room[k, 0], room[k, 1] = x, y
+            moved[k, 0], moved[k, 1] = x, y
         box[s, 0], box[s, 1], box[s, 2], box[s, 3] = low_x, low_y, high_x, high_y
-        x1, y1 = _farthest(room, count, x0, y0)
-        x2, y2 = _farthest(room, count, x1, y1)
+        x1, y1 = _farthest(moved, count, x0, y0)
+        x2, y2 = _farthest(moved, count, x1, y1)
         length = np.hypot(x2 - x1, y2 - y1)
         if length < LEAST_EXTENT:
             x2, y2, length = x1 + LEAST_EXTENT, y1, LEAST_EXTENT
         across_x, across_y = (y1 - y2) / length, (x2 - x1) / length
         x3, y3, width = 0.5 * (x1 + x2), 0.5 * (y1 + y2), 0.0
         for k in range(count):
-            off = across_x * (room[k, 0] - x1) + across_y * (room[k, 1] - y1)
+            off = across_x * (moved[k, 0] - x1) + across_y * (moved[k, 1] - y1)
             if abs(off) > abs(width):
-                x3, y3, width = room[k, 0], room[k, 1], off
+                x3, y3, width = moved[k, 0], moved[k, 1], off
         if abs(width) < LEAST_EXTENT:
             more = (LEAST_EXTENT if width >= 0.0 else -LEAST_EXTENT) - width
             x3, y3 = x3 + more * across_x, y3 + more * across_y

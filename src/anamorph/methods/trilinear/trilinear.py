@@ -2,7 +2,7 @@
 
 Source: Vallance, "Trilinear projection" (PhD thesis, 2005). A mirror, a lens, or a camera made by hand is a mesh of ray
 triangles (chapters 2, 5 to 7; ray_triangles.py). What each of them sees of the scene is planned on the processor
-(trilinear/: beams, tree, pairs, plan), found by the device without a ray being cast (visibility.py), and coloured
+(beams, box_tree, pairs, plan), found by the device without a ray being cast (visibility.py), and coloured
 (coloring.py); here it becomes a part of the picture.
 
 Deviation: the thesis draws straight lines between the projected corners of a scene triangle, and more corners where
@@ -27,11 +27,12 @@ from anamorph.gpu.targets import COLOR_FORMAT, Target, make_target
 from anamorph.methods.options import check_options, option
 from anamorph.methods.protocol import Method, Session
 from anamorph.methods.session import DrawingSession, Stage
+from anamorph.methods.trilinear.box_tree import make_tree, moved_tree
 from anamorph.methods.trilinear.coloring import Coloring, Kind
-from anamorph.methods.trilinear.ray_layer import Layer, Sight, Straight, World
+from anamorph.methods.trilinear.ray_layer import LayerPlan, RayLayer, SceneTriangles
 from anamorph.methods.trilinear.ray_records import add_incident, triangle_records
 from anamorph.methods.trilinear.ray_triangles import body_groups, body_triangles, camera_triangles, lens_edges
-from anamorph.methods.trilinear.tree import make_tree, moved_tree
+from anamorph.methods.trilinear.straight import StraightEdges
 from anamorph.methods.trilinear.visibility import Visibility, data_layout
 from anamorph.optics.ray_meshes import bodies_of
 from anamorph.raymesh import RayMesh
@@ -90,11 +91,11 @@ class TrilinearDrawing:
         corners = np.asarray(geometry.positions, float)[geometry.faces]
         group, normals = body_groups(self._bodies, geometry)
         mirror = np.isin(geometry.face_object, np.array(stage.buffers.mirrors) + 1)
-        self._world = World(
+        self._triangles = SceneTriangles(
             make_tree(corners), corners, normals, group,
             geometry.face_object.astype(np.int32), mirror, NEAR * float(np.abs(corners).max(initial=0.0)),
         )  # fmt: skip
-        self._sights: list[Sight] = []
+        self._planned: list[LayerPlan] = []
         self._colors = make_target(size, (COLOR_FORMAT,))
         lenses = lens_edges(self._bodies).astype(np.float32)
         self._lenses = storage_buffer(lenses if len(lenses) else np.zeros((1, 2, 4), np.float32))
@@ -119,23 +120,23 @@ class TrilinearDrawing:
         else:
             self._composed = composed("surface_owner_vertex", "composed_color", cull="back")
 
-    def _line(self, mask: int) -> list[Layer]:
+    def _line(self, mask: int) -> list[RayLayer]:
         """The layers of light that is written with a mask."""
         stage, options = self._stage, self._options
         straight = None
         if options.edges == "straight":
-            straight = Straight(options.tessellate, options.slices, options.clip == "scene")
-        mirrors = bool(self._world.mirror.any())
+            straight = StraightEdges(options.tessellate, options.slices, options.clip == "scene").pieces
+        mirrors = bool(self._triangles.mirror.any())
         # Bare rays meet their first mirror one layer later.
-        depths = (options.bounces + self._bare if mirrors else 1) if straight is None else 1
-        layers: list[Layer] = []
-        for depth in range(depths):
+        bounces = (options.bounces + self._bare if mirrors else 1) if straight is None else 1
+        layers: list[RayLayer] = []
+        for bounce in range(bounces):
             before = layers[-1] if layers else None
-            bare, fine = self._bare or depth > 0, options.antialias > 1 and depth == 0
+            bare, fine = self._bare or bounce > 0, options.antialias > 1 and bounce == 0
             kind = Kind(
                 bare,
                 not bare and any(side.refracts for body in self._bodies for side in body.sides),
-                bool(self._world.group.any()),
+                bool(self._triangles.group.any()),
                 straight is not None,
             )
             visibility = Visibility(
@@ -144,15 +145,15 @@ class TrilinearDrawing:
             )  # fmt: skip
             coloring = Coloring(
                 stage.buffers, visibility, self._colors, kind, mask,
-                None if before is None else before.coloring, depth + 1 < depths,
+                None if before is None else before.coloring, bounce + 1 < bounces,
             )  # fmt: skip
-            layers.append(Layer(visibility, coloring, stage.view.size, straight))
+            layers.append(RayLayer(visibility, coloring, stage.view.size, straight))
         return layers
 
     def deformed(self, geometry: Geometry) -> None:
         """Refit the tree."""
         corners = np.asarray(geometry.positions, float)[geometry.faces]
-        self._world = replace(self._world, corners=corners, tree=moved_tree(self._world.tree, corners))
+        self._triangles = replace(self._triangles, corners=corners, tree=moved_tree(self._triangles.tree, corners))
 
     def prepare(
         self, encoder: wgpu.GPUCommandEncoder, camera: Camera | RayMesh, shift: tuple[float, float]
@@ -168,19 +169,19 @@ class TrilinearDrawing:
             lines = body_triangles(self._bodies, self._stage.geometry, camera.eye(size), self._options.dispersion)
         for number, (unmoved, layers) in enumerate(zip(lines, self._lines, strict=False)):
             rays = replace(unmoved, picture=unmoved.picture - unmoved.picture[..., 2:] * [*shift, 0.0])
-            beams = yield from layers[0].beams(rays, self._world)
+            beams = yield from layers[0].beams(rays, self._triangles)
             records = triangle_records(rays, beams)
             if isinstance(camera, Camera):
                 add_incident(records, beams, camera, size, shift)
-            sights = [(yield from layers[0].first(rays, beams, records, self._world))]
+            planned = [(yield from layers[0].first(rays, beams, records, self._triangles))]
             encoder = yield from layers[0].draw(encoder, recorder, projection, clear=number == 0)
             for layer in layers[1:]:
-                sight = yield from layer.follow(sights[-1], self._world)
-                if sight is None:
+                follows = yield from layer.follow(planned[-1], self._triangles)
+                if follows is None:
                     break
                 encoder = yield from layer.draw(encoder, recorder, projection, clear=False)
-                sights.append(sight)
-            self._sights = sights if number == 0 else self._sights
+                planned.append(follows)
+            self._planned = planned if number == 0 else self._planned
         return encoder
 
     def complete(self, target: Target, camera: Camera | RayMesh, shift: tuple[float, float]) -> None:
@@ -191,7 +192,7 @@ class TrilinearDrawing:
 
     def draw_color(self, render_pass: wgpu.GPURenderPassEncoder) -> None:
         """What the rays see, where it belongs in the picture."""
-        if not self._sights:
+        if not self._planned:
             return
         first = self._lines[0][0].visibility
         render_pass.set_pipeline(self._composed)
@@ -204,12 +205,12 @@ class TrilinearDrawing:
 
     def draw_seen(self, render_pass: wgpu.GPURenderPassEncoder) -> None:
         """The seen buffers, by the d line."""
-        for layer, _ in zip(self._lines[0], self._sights, strict=False):
+        for layer, _ in zip(self._lines[0], self._planned, strict=False):
             layer.coloring.draw_seen(render_pass)
 
     def figures(self) -> dict[str, float]:
         """How many pairs of ray triangle and scene triangle the last frame took, and in how many pieces."""
-        plans = [sight.plan for sight in self._sights]
+        plans = [layer.plan for layer in self._planned]
         return {"pairs": sum(len(plan.pair) for plan in plans), "pieces": sum(len(plan.owner) for plan in plans)}
 
     def rays(self) -> None:

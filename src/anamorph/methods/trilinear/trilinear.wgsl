@@ -18,7 +18,7 @@ fn by_edge(fragment: RayFragment, sighting: Sighting) -> bool {
     return fragment.numbers.z > 0u && length(from_axis(lens, sighting.ray.origin)) > lens.axis.w;
 }
 
-// The matt edge, seen from within the glass.
+// The diffuse edge, seen from within the glass.
 fn edge_color(lens: Lens, ray: Ray) -> vec3f {
     var point: SurfacePoint;
     point.position = ray.origin;

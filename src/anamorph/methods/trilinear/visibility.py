@@ -1,4 +1,4 @@
-"""Which scene triangle each pixel's ray meets, on the device: what `trilinear.plan` has planned, asked for per pixel.
+"""Which scene triangle each pixel's ray meets, on the device: what `plan` has planned, asked for per pixel.
 
 Two passes, without a ray being cast: the ray triangles, each pixel getting the one whose part of the picture it is in;
 and the pieces of all pairs, of which each pixel keeps the nearest that holds it.
@@ -19,7 +19,7 @@ from anamorph.gpu.device import get_device, of_device
 from anamorph.gpu.drawing import ProjectionUniform, bind_scene, make_pipeline, shader_module
 from anamorph.gpu.recording import Recorder
 from anamorph.gpu.targets import COLOR_FORMAT, Target, begin_pass, make_target
-from anamorph.methods.trilinear.ray_records import PIECE, RAY_TRIANGLE, STRAIGHT_CORNER
+from anamorph.methods.trilinear.ray_records import RAY_TRIANGLE
 
 NUMBER_FORMAT = "r32uint"
 WEIGHTS_FORMAT = "rg32float"
@@ -90,7 +90,7 @@ def bind_views(
 
 
 def make_views(size: tuple[int, int], straight: bool) -> Views:
-    """Room for a picture of `size` (width, height)."""
+    """Targets for a picture of `size` (width, height)."""
     owners = make_target(size, (NUMBER_FORMAT,))
     seen = make_target(size, (NUMBER_FORMAT, WEIGHTS_FORMAT)[: 1 + straight], depth=owners.depth)
     return Views(owners, seen)
@@ -138,10 +138,14 @@ class Visibility:
         self.fine = make_views((FINENESS * size[0], FINENESS * size[1]), straight) if fine else None
         self._owned = [bind_views(views, owned=True) for views in self._all()]
         self._source = bind_views(None if before is None else before.views)
-        self._rooms: list[wgpu.GPUBuffer | None] = [None, None, None]
+        self._held: list[wgpu.GPUBuffer | None] = [None, None, None]
         self._data: wgpu.GPUBindGroup | None = None
         self._corners, self._count = 0, 0
-        names = ("gpu/vertices", "methods/trilinear/visibility", *(("methods/trilinear/straight",) if straight else ()))
+        names = (
+            "gpu/vertices",
+            "methods/trilinear/visibility",
+            *(("methods/trilinear/straight/straight",) if straight else ()),
+        )
         module = shader_module(*(f"{name}.wgsl" for name in names))
 
         def pipeline(vertex: str, fragment: str, target: Target, **settings: Any) -> wgpu.GPURenderPipeline:
@@ -169,17 +173,16 @@ class Visibility:
         return self._corners > AT_ONCE
 
     def write(self, triangles: np.ndarray, pairs: np.ndarray, pieces: np.ndarray) -> None:
-        """Take over ray triangles (K,) of `RAY_TRIANGLE`, pairs of `PAIR`, and `PIECE` or `STRAIGHT_CORNER`s."""
-        assert triangles.dtype == RAY_TRIANGLE and pieces.dtype in (PIECE, STRAIGHT_CORNER)
-        self._count = len(triangles)
-        self._corners = len(pieces) * (3 if pieces.dtype == PIECE else 1)
+        """Take over ray triangles (K,) of `RAY_TRIANGLE`, pairs of `PAIR`, and pieces as the shader reads them."""
+        assert triangles.dtype == RAY_TRIANGLE
+        self._count, self._corners = len(triangles), 3 * len(pieces)
         contents = [each if len(each) else np.zeros(1, each.dtype) for each in (triangles, pairs, pieces)]
-        rooms = [roomy_buffer(room, content.nbytes) for room, content in zip(self._rooms, contents, strict=True)]
-        if rooms != self._rooms:
-            self._rooms = list(rooms)
-            self._data = bind(data_layout(), [self._buffers.vertices, self._buffers.indices, *rooms, self._lenses])
-        for room, content in zip(rooms, contents, strict=True):
-            get_device().queue.write_buffer(room, 0, content)
+        held = [roomy_buffer(buffer, content.nbytes) for buffer, content in zip(self._held, contents, strict=True)]
+        if held != self._held:
+            self._held = list(held)
+            self._data = bind(data_layout(), [self._buffers.vertices, self._buffers.indices, *held, self._lenses])
+        for buffer, content in zip(held, contents, strict=True):
+            get_device().queue.write_buffer(buffer, 0, content)
 
     def draw(
         self, encoder: wgpu.GPUCommandEncoder, recorder: Recorder, projection: ProjectionUniform

@@ -14,7 +14,7 @@ from anamorph.bench.thesis.printed import configurations
 from anamorph.frame import Frame, Status, View
 from anamorph.measure.errors import silhouettes
 from anamorph.methods import parse
-from anamorph.methods.trilinear.straight.straight import straight_pieces
+from anamorph.methods.trilinear.straight import straight_pieces
 from anamorph.raymesh import RayMesh
 from anamorph.scene.camera import Camera
 from anamorph.scene.model import Diffuse, Mesh, Scene

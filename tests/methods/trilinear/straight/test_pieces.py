@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 from hypothesis import Phase, given, settings
@@ -9,8 +11,9 @@ from hypothesis import strategies as st
 from ray_triangles import EXACT, ROUNDED, examples, scene
 
 from anamorph.base.errors import AnamorphError
-from anamorph.methods.trilinear.straight import fill, project_triangle, straight, straight_pieces
-from anamorph.methods.trilinear.straight.strips import GUARD
+from anamorph.methods.trilinear import straight
+from anamorph.methods.trilinear.straight import fill, pieces, project_triangle, straight_pieces
+from anamorph.methods.trilinear.straight.cutting import GUARD
 
 PLAIN = np.array([[0.0, 0.0, 1.0], [1.0, 0.0, 1.0], [0.0, 1.0, 1.0]])
 """A picture in which places are u and v."""
@@ -269,7 +272,7 @@ def test_many_pairs_are_drawn_as_one_by_one_in_their_order_on_any_number_of_core
     pairs = np.argwhere(np.ones((6, 6)))
     options = {"tessellate": 2, "slices": 1}
     together = straight_pieces(picture, p, n, corners, pairs, **options)
-    monkeypatch.setattr(straight, "GRAIN", 5)
+    monkeypatch.setattr(pieces, "GRAIN", 5)
     parts = straight_pieces(picture, p, n, corners, pairs, **options)
     for name in ("place", "weights", "t", "pair"):
         assert (getattr(together, name) == getattr(parts, name)).all()
@@ -282,7 +285,7 @@ def test_many_pairs_are_drawn_as_one_by_one_in_their_order_on_any_number_of_core
 def test_small_buffers_are_filled_one_after_the_other(monkeypatch):
     p, n, corners, _ = scene(2, "narrow")
     whole = pieces_of(p, n, corners, tessellate=12, slices=30)
-    monkeypatch.setattr(fill, "ROOM", 0)
+    monkeypatch.setattr(fill, "USUAL", 0)
     assert (pieces_of(p, n, corners, tessellate=12, slices=30).place == whole.place).all()
 
 
@@ -295,23 +298,13 @@ def test_nothing_to_draw_is_no_pieces():
     assert none.pair.dtype == np.int32
 
 
-@pytest.mark.parametrize(
-    ("changed", "said"),
-    [
-        ({"near": np.nan}, "near"),
-        ({"slices": -1}, "slices is -1; it must be 0"),
-        ({"tessellate": 0}, "tessellate is 0; it must be 1"),
-        ({"corners": np.full((1, 3, 3), np.inf)}, "finite"),
-        ({"corners": np.zeros((3, 3))}, "arrays"),
-        ({"picture": np.zeros((2, 3, 3))}, "each ray triangle"),
-        ({"pairs": np.array([[0, 1]])}, "not there"),
-        ({"pairs": np.array([[-1, 0]])}, "not there"),
-        ({"pairs": np.array([0, 0])}, "pairs must be"),
-        ({"directions": np.zeros((1, 3, 3))}, "all three directions are 0"),
-    ],
-)
-def test_what_cannot_be_drawn_is_refused_in_one_line(changed, said):
-    given = {name: PLAIN[None] for name in ("picture", "origins", "directions", "corners")} | {"pairs": ONE} | changed
-    with pytest.raises(AnamorphError, match=said) as raised:
-        straight_pieces(**given)
+def test_rays_without_a_direction_are_refused_in_one_line():
+    with pytest.raises(AnamorphError, match="all three directions are 0") as raised:
+        pieces_of(PLAIN, np.zeros((3, 3)), PLAIN)
     assert "\n" not in str(raised.value)
+
+
+def test_one_module_of_the_method_takes_the_room():
+    own = Path(straight.__file__).parent
+    others = [module for module in own.parent.glob("*.py") if "trilinear.straight" in module.read_text()]
+    assert [module.name for module in others] == ["trilinear.py"]

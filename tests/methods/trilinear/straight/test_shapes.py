@@ -10,8 +10,7 @@ from ray_triangles import EXACT, ROUNDED, examples, scene
 
 from anamorph.base.errors import AnamorphError
 from anamorph.methods.trilinear.straight import project_triangle
-from anamorph.methods.trilinear.straight.connect import connect
-from anamorph.methods.trilinear.straight.shapes import _crossing
+from anamorph.methods.trilinear.straight.traces import edge_weight
 from anamorph.raytriangle import project_points
 
 
@@ -155,22 +154,9 @@ def test_rays_parallel_to_one_plane_lead_to_shapes_that_reach_infinity():
     assert seen > 10
 
 
-def test_two_corners_at_one_t_are_joined_in_either_order():
-    signs = np.zeros(3, bool)
-    for vertices in ([(0, 0), (1, 0), (2, 0)], [(1, 0), (0, 0), (2, 0)]):
-        (one,) = connect(vertices, signs)
-        assert sorted(one.vertices) == [(0, 0), (1, 0), (2, 0)]
-    # The step-by-step example of section 4.3: corners 2, 3, 3, 1, 3.
-    (five,) = connect([(1, 0), (2, 0), (2, 1), (0, 0), (2, 2)], signs)
-    assert five.vertices in (
-        [(1, 0), (0, 0), (2, 2), (2, 1), (2, 0)],
-        [(1, 0), (2, 0), (2, 1), (2, 2), (0, 0)],
-    )
-
-
 def test_an_edge_within_the_view_plane_is_cut_in_its_middle():
-    assert _crossing(np.zeros(3), 0).tolist() == [0.0, 0.5, 0.5]
-    assert _crossing(np.array([0.0, -1.0, 3.0]), 0).tolist() == [0.0, 0.75, 0.25]
+    assert edge_weight(0.0, 0.0) == 0.5
+    assert edge_weight(-1.0, 3.0) == 0.75
 
 
 def test_rays_with_no_triangle_between_them_and_bad_input():

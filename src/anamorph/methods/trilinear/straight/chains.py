@@ -1,8 +1,13 @@
-"""Projected corners of one scene triangle joined into shapes, compiled: what `connect` does, as two chains a shape.
+"""The order in which projected corners of one scene triangle are joined into shapes, as two chains a shape. Compiled.
 
-A shape is what the line in which the parametric triangle cuts the scene triangle sweeps while it meets it. Its two ends
-leave a chain each, and at every t one chain is on one scene edge and the other on another. Both chains begin where the
-shape begins and end where it ends, with rising t.
+Source: Vallance 2005, sections 4.1 to 4.3. The plane of the parametric triangle cuts the plane of the scene triangle in
+a line, which sweeps as t grows. Whenever it meets a corner of the scene triangle, the two edges at that corner are
+toggled: they begin or cease to be crossed. A shape lasts as long as two edges are crossed, and its outline is the two
+chains of corners that the crossings leave, both from where the shape begins to where it ends, with rising t.
+
+Deviations: an edge is crossed where its two corners lie on different sides, so that a sweep begins and ends rightly
+where the line crosses edges at infinite t (rays parallel to one plane). And every link of a chain knows the scene edge
+that is followed from it, which the printed listing takes from the two ends of a line: they may be the same corner.
 """
 
 from __future__ import annotations
@@ -93,7 +98,7 @@ def connected(solved: np.ndarray, links: np.ndarray, ends: np.ndarray) -> int:
 
 @compiled
 def link_t(solved: np.ndarray, links: np.ndarray, side: int, k: int) -> float:
-    """The frame's t of a link; infinite for an open end."""
+    """The scaled t of a link; infinite for an open end."""
     corner, which = links[side, k, CORNER], links[side, k, WHICH]
     if corner == OPEN:
         return math.inf if which else -math.inf

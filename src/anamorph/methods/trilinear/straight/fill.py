@@ -10,26 +10,26 @@ import numpy as np
 
 from anamorph.base.compiled import compiled
 from anamorph.methods.trilinear.straight.chains import LINKS, SHAPES, connected, link_t
+from anamorph.methods.trilinear.straight.cutting import CORNERS, MOST, Pieces
 from anamorph.methods.trilinear.straight.grid import small_triangle
-from anamorph.methods.trilinear.straight.remembered import Memory, memory, solve_once
-from anamorph.methods.trilinear.straight.strips import CORNERS, MOST, Pieces, strip
+from anamorph.methods.trilinear.straight.strips import strip
 from anamorph.methods.trilinear.straight.traces import BESIDE, CUTS, TRACE, has_ray, levels_of, side_crossings, traced
-from anamorph.raytriangle.packed import LINES, PACE, SHIFT
-from anamorph.raytriangle.solve import WORDS
+from anamorph.raytriangle.rows import LINES, PACE, SHIFT
+from anamorph.raytriangle.solve import WORDS, solve_point
 
 ENDLESS = 1e6
-"""In place of an infinite t: this many times the distance of the corners from the middle, in the frame."""
+"""In place of an infinite t: this many times the distance of the corners from the middle, scaled."""
 
 POINTS = 4 * LINKS + 6 * CUTS + 4 * SHAPES
 """Most points of both traces of a triangle's shapes, without extra levels: links on either trace and those beside them,
 each edge's cuts on both traces, and the ends of parts."""
 
-ROOM = 4
-"""Pieces for each small triangle that room is made for at once; where there are more, more room is made."""
+USUAL = 4
+"""Pieces of a small triangle, as arrays are made for; where there are more, more arrays are."""
 
 
 def pieces_for(count: int) -> Pieces:
-    """Room for so many."""
+    """Arrays for so many."""
     shapes = ((count, 3, 2), np.float32), ((count, 3, 2), np.float32), ((count, 3), np.float32), ((count,), np.int32)
     place, weights, t, pair = (np.empty(shape, kind) for shape, kind in shapes)
     return place, weights, t, pair
@@ -47,29 +47,25 @@ def filled(
     scene_clip: bool,
 ) -> list[tuple[np.ndarray, ...]]:
     """The pieces of some small triangles, in as many parts as it takes to hold them."""
-    room = POINTS + 2 * SHAPES * slices
-    points = np.zeros((3, 3))
+    capacity = POINTS + 2 * SHAPES * slices
     work = (
-        points,
-        points.view(np.int64),
+        np.zeros((3, 3)),
         np.zeros((3, 2)),
+        np.zeros(8),
         np.zeros((3, WORDS)),
         np.zeros((2, LINKS, 3), np.int64),
         np.zeros((SHAPES, 2), np.int64),
         np.full((3, CUTS), np.inf),
-        np.zeros((2, room, TRACE)),
-        np.zeros(room),
+        np.zeros((2, capacity, TRACE)),
+        np.zeros(capacity),
         np.zeros(2, np.int64),
         np.zeros((3, CORNERS, TRACE)),
     )
-    kept = memory()
-    most = MOST * room
+    most = MOST * capacity
     result = []
     while start < stop:
-        pieces = pieces_for(most + ROOM * (stop - start))
-        start, used = _fill(
-            rows, corners, pairs, start, stop, near, slices, tessellate, scene_clip, most, kept, work, pieces
-        )
+        pieces = pieces_for(most + USUAL * (stop - start))
+        start, used = _fill(rows, corners, pairs, start, stop, near, slices, tessellate, scene_clip, most, work, pieces)
         result.append(tuple(array[:used].copy() for array in pieces))
     return result
 
@@ -86,24 +82,22 @@ def _fill(
     tessellate: int,
     scene_clip: bool,
     most: int,
-    kept: Memory,
     work: tuple[np.ndarray, ...],
     pieces: Pieces,
 ) -> tuple[int, int]:
     """Fill `pieces` from small triangle `begin_item` on; with which to go on, and how many pieces there are."""
-    points, bits, within, solved, links, ends, cuts, traces, levels, start, polygon = work
+    points, within, found, solved, links, ends, cuts, traces, levels, start, polygon = work
     divided = tessellate * tessellate
     used = 0
     for item in range(begin_item, end_item):
         if used + most > len(pieces[3]):
             return item, used
         pair = item // divided
-        owner = pairs[pair, 0]
-        row = rows[owner]
+        row = rows[pairs[pair, 0]]
         small_triangle(corners[pairs[pair, 1]], tessellate, item - pair * divided, points, within)
         distance = 1.0
         for k in range(3):
-            solve_once(row, owner, points[k], bits[k], kept, solved[k])
+            solve_point(row, points[k, 0], points[k, 1], points[k, 2], found, solved[k])
             distance = max(distance, max(abs(solved[k, 0]), abs(solved[k, 1]), abs(solved[k, 2])))
         shapes = connected(solved, links, ends)
         if shapes and scene_clip:

@@ -1,7 +1,7 @@
 """What a scene triangle becomes in a ray triangle: one to four shapes of two to nine vertices, and their visible part.
 
-Source: Vallance 2005, sections 4.1 to 4.3 (with `connect`), and 4.6: what lies behind the origins is cut away, exactly,
-on the edges of the scene triangle.
+Source: Vallance 2005, sections 4.1 to 4.3 (with `chains`), and 4.6: what lies behind the origins is cut away, exactly,
+on the edges of the scene triangle. Here for one scene triangle and for looking at; `pieces` draws many.
 
 Deviation: corners count by the roots of their cubics, whether or not float64 can tell the ray that leads there, so that
 no far vertex breaks a shape.
@@ -10,14 +10,16 @@ no far vertex breaks a shape.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
 from anamorph.base.errors import AnamorphError
-from anamorph.methods.trilinear.straight.connect import FIRST, Outline, connect
-from anamorph.raytriangle.coefficients import RayTriangleFrame, ray_triangle_frame
-from anamorph.raytriangle.cubic import values_before
-from anamorph.raytriangle.points import INFINITE, Projections, project_into, rays_at
+from anamorph.methods.trilinear.straight.chains import LINKS, OPEN, SHAPES, connected
+from anamorph.methods.trilinear.straight.traces import edge_ray, edge_weight
+from anamorph.raytriangle.rows import PACE, SHIFT, packed
+from anamorph.raytriangle.scaled import scaled_rays
+from anamorph.raytriangle.solve import AFTER, BEFORE, ROOT, ROOTS, VALID, WORDS, solve_point
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,8 +51,20 @@ class Shape:
         return len(self.t)
 
 
+class _Vertex(NamedTuple):
+    """A vertex of a chain, and the scene edge that is followed from it; its corner, or OPEN for what is none."""
+
+    t: float
+    u: float
+    v: float
+    valid: bool
+    weights: np.ndarray
+    edge: int
+    corner: int
+
+
 def project_triangle(
-    origins: np.ndarray, directions: np.ndarray, corners: np.ndarray, nearest: float | None = None
+    origins: np.ndarray, directions: np.ndarray, corners: np.ndarray, nearest: float = -np.inf
 ) -> tuple[Shape, ...]:
     """The shapes of a scene triangle in a ray triangle, in the order in which they end as t grows.
 
@@ -62,7 +76,7 @@ def project_triangle(
         A row for each of the three rays.
     corners : (3, 3) array
         The corners of the scene triangle.
-    nearest : float, optional
+    nearest : float
         Keep only what has t >= nearest: 0 for what lies before the origins. Where the three origins coincide, no ray
         leads to a vertex at t = 0; give a little more. By default everything is kept, negative t included.
 
@@ -76,77 +90,65 @@ def project_triangle(
         raise AnamorphError("project_triangle: origins, directions and corners must be three rows of three numbers")
     if not np.isfinite(corners).all():
         raise AnamorphError("project_triangle: corners must be finite numbers")
-    frame = ray_triangle_frame(origins, directions)
-    if frame.flat:
+    rays = scaled_rays(origins[None], directions[None])
+    if rays.flat[0]:
         return ()
-    projections = project_into(frame, corners)
-    local = frame.local(corners)
-    cubics = frame.cubics(local)
-    first, last = values_before(cubics, INFINITE * (1.0 + np.linalg.norm(local, axis=-1)))
-    found = [(corner, which) for corner in range(3) for which in range(3) if projections.real[corner, which]]
-    found.sort(key=lambda vertex: projections.t[vertex])
-    shapes = (_shape(outline, projections, first, last) for outline in connect(found, first >= 0.0))
-    if nearest is None:
-        return tuple(shapes)
-    clipped = (_clipped(shape, frame, corners, float(nearest)) for shape in shapes)
-    return tuple(shape for shape in clipped if len(shape))
+    row, solved = packed(rays)[0], np.zeros((3, WORDS))
+    for corner, place in zip(solved, corners, strict=True):
+        solve_point(row, *place, np.zeros(8), corner)
+    links, ends = np.zeros((2, LINKS, 3), np.int64), np.zeros((SHAPES, 2), np.int64)
+    shapes, starts = [], np.zeros(2, np.int64)
+    for stops in ends[: connected(solved, links, ends)]:
+        left, right = (_chain(row, solved, links[side, starts[side] : stops[side]], nearest) for side in range(2))
+        shapes += [_joined(left, right)] if left else []
+        starts = stops
+    return tuple(shapes)
 
 
-def _shape(outline: Outline, projections: Projections, first: np.ndarray, last: np.ndarray) -> Shape:
-    count = len(outline.vertices)
-    t, u, v, valid, weights = np.zeros(count), np.zeros(count), np.zeros(count), np.zeros(count, bool), []
-    for k, vertex in enumerate(outline.vertices):
-        corner, which = vertex
-        if corner >= 0:
-            t[k], u[k], v[k] = projections.t[vertex], projections.u[vertex], projections.v[vertex]
-            valid[k] = projections.valid[vertex]
-            weights.append(np.eye(3)[corner])
+def _chain(row: np.ndarray, solved: np.ndarray, links: np.ndarray, nearest: float) -> list[_Vertex]:
+    """The vertices of a chain from `nearest` on."""
+    chain: list[_Vertex] = []
+    followed = -1
+    for corner, which, edge in links.tolist():
+        if corner == OPEN:
+            i, j = _ends(edge if edge >= 0 else followed)
+            beyond = solved[:, AFTER if which else BEFORE]
+            weights = _between(i, j, edge_weight(beyond[i], beyond[j]))
+            chain.append(_Vertex(np.inf if which else -np.inf, 0.0, 0.0, False, weights, edge, corner))
         else:
-            t[k] = -np.inf if corner == FIRST else np.inf
-            weights.append(_crossing(first if corner == FIRST else last, which))
-    return Shape(t, u, v, valid, np.array(weights), np.array(outline.edges))
+            t, u, v, known = solved[corner, ROOTS + ROOT * which :][:ROOT]
+            chain.append(_vertex(_world(row, t), u, v, known, np.eye(3)[corner], edge, corner))
+        followed = edge
+    kept = [vertex for vertex in chain if vertex.t >= nearest]
+    if kept and len(kept) < len(chain):
+        edge = chain[-len(kept) - 1].edge
+        weight, u, v, known = edge_ray(row, solved, edge, nearest / row[PACE] - row[SHIFT])
+        kept.insert(0, _vertex(nearest, u, v, known, _between(*_ends(edge), weight), edge, OPEN))
+    return kept
 
 
-def _crossing(values: np.ndarray, edge: int) -> np.ndarray:
-    """Where an edge meets the plane from which its corners lie `values` away: weights on the scene triangle."""
-    i, j = (edge + 1) % 3, (edge + 2) % 3
-    weights = np.zeros(3)
-    between = values[j] - values[i]
-    # Corners that rounding no longer sets apart: the whole edge lies in the plane, and its middle does for a vertex.
-    weights[i] = np.clip(values[j] / between, 0.0, 1.0) if between else 0.5
-    weights[j] = 1.0 - weights[i]
-    return weights
+def _world(row: np.ndarray, t: float) -> float:
+    return float((t + row[SHIFT]) * row[PACE])
 
 
-def _clipped(shape: Shape, frame: RayTriangleFrame, corners: np.ndarray, nearest: float) -> Shape:
-    """What of a shape has t >= nearest; of no vertices where nothing has."""
-    values = frame.values(frame.local(corners), nearest)
-    kept = shape.t >= nearest
-    index: list[int] = []
-    cuts: list[np.ndarray] = []
-    edges: list[int] = []
-    for k in range(len(shape)):
-        following = (k + 1) % len(shape)
-        if kept[k]:
-            index.append(k)
-            edges.append(int(shape.edges[k]))
-        if kept[k] != kept[following] and shape.edges[k] >= 0:
-            index.append(len(shape) + len(cuts))
-            cuts.append(_crossing(values, int(shape.edges[k])))
-            edges.append(-1 if kept[k] else int(shape.edges[k]))
-    if not cuts:
-        return Shape(*(array[kept] for array in (shape.t, shape.u, shape.v, shape.valid, shape.weights, shape.edges)))
-    weights = np.array(cuts)
-    u, v, valid = rays_at(frame, weights @ corners, nearest)
+def _vertex(t: float, u: float, v: float, known: float, weights: np.ndarray, edge: int, corner: int) -> _Vertex:
+    valid = known == VALID
+    return _Vertex(t, u if valid else 0.0, v if valid else 0.0, valid, weights, edge, corner)
 
-    def joined(old: np.ndarray, new: np.ndarray) -> np.ndarray:
-        return np.concatenate([old, new])[index]
 
-    return Shape(
-        joined(shape.t, np.full(len(cuts), nearest)),
-        joined(shape.u, u),
-        joined(shape.v, v),
-        joined(shape.valid, valid),
-        joined(shape.weights, weights),
-        np.array(edges),
-    )
+def _ends(edge: int) -> tuple[int, int]:
+    return (edge + 1) % 3, (edge + 2) % 3
+
+
+def _between(i: int, j: int, weight: float) -> np.ndarray:
+    """Weights on the scene triangle of what lies on the edge from corner i, with that weight, to corner j."""
+    return weight * np.eye(3)[i] + (1.0 - weight) * np.eye(3)[j]
+
+
+def _joined(left: list[_Vertex], right: list[_Vertex]) -> Shape:
+    """Up along one chain and down along the other, whose ends are the same where they are corners."""
+    starts_open, ends_open = left[0].corner == OPEN, left[-1].corner == OPEN
+    outline = left + right[0 if starts_open else 1 : None if ends_open else -1][::-1]
+    edges = [vertex.edge for vertex in (*left[:-1], *left[-1:] * ends_open, *right[-2::-1])] + [-1] * starts_open
+    t, u, v, valid, weights = (np.array([vertex[k] for vertex in outline]) for k in range(5))
+    return Shape(t, u, v, valid, weights, np.array(edges))

@@ -1,13 +1,10 @@
-"""The strip between the two traces of a shape as triangles, cut to the neighbourhood of the ray triangle's picture.
+"""The strip between the two traces of a shape as triangles. Compiled.
 
 At every t what is seen between the traces is a straight line in u and v, since the plane of the scene triangle cuts the
 parametric triangle in one. All these lines go through one point, to which the ray belongs that lies in that plane, and
 cross nowhere else. So the points of both traces in the order of t make the triangles, and what lies between two levels
 that both traces have is filled exactly. A shape of two corners and nothing between has no area: the thesis draws a line
 for it, this draws nothing.
-
-Near vanishing lines u and v grow without bound. What lies further from the ray triangle than `GUARD` times its size is
-cut away, and what lies beyond one of its sides is left out.
 """
 
 from __future__ import annotations
@@ -17,26 +14,8 @@ import math
 import numpy as np
 
 from anamorph.base.compiled import compiled, inlined
-from anamorph.methods.trilinear.straight.traces import SECOND, THIRD, TRACE, T, U, V
-from anamorph.raytriangle.packed import PACE, PICTURE, SHIFT
-
-Pieces = tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]
-"""Place, weights, t and pair, as in `StraightPieces`."""
-
-GUARD = 4.0
-"""How far pieces may reach: weights in the picture are at least minus this."""
-
-SLIVER = 1e-9
-"""A piece that reaches no further into the ray triangle has come there by rounding."""
-
-EYE = 1e-3
-"""Where the picture's w changes its sign over a ray triangle, pieces are cut at this share of the greatest."""
-
-CORNERS = 8
-"""A triangle cut by four lines has seven corners at most."""
-
-MOST = 5
-"""Triangles that one may be cut into."""
+from anamorph.methods.trilinear.straight.cutting import Pieces, cut_piece
+from anamorph.methods.trilinear.straight.traces import TRACE, T, U, V
 
 
 @compiled
@@ -71,24 +50,25 @@ def strip(
             above, across = traces[0, i], traces[1, j]
             if one_end and i == lefts - 1 and j == rights - 1:
                 if opened:
-                    used = _piece(row, pair, here, there, above, polygon, pieces, used)
+                    used = cut_piece(row, pair, here, there, above, polygon, pieces, used)
             elif opened:
                 used = _between_levels(row, pair, here, there, above, across, polygon, pieces, used)
             else:
-                used = _piece(row, pair, here, across, above, polygon, pieces, used)
+                used = cut_piece(row, pair, here, across, above, polygon, pieces, used)
         elif next_here < next_there:
             i += 1
             if opened:
-                used = _piece(row, pair, here, there, traces[0, i], polygon, pieces, used)
+                used = cut_piece(row, pair, here, there, traces[0, i], polygon, pieces, used)
         else:
             j += 1
             if opened:
-                used = _piece(row, pair, here, there, traces[1, j], polygon, pieces, used)
+                used = cut_piece(row, pair, here, there, traces[1, j], polygon, pieces, used)
     return used
 
 
 @inlined
-def _turn(a: np.ndarray, b: np.ndarray, c: np.ndarray) -> float:
+def _area(a: np.ndarray, b: np.ndarray, c: np.ndarray) -> float:
+    """Twice the area of a triangle in u and v, negative where it is clockwise."""
     return (b[U] - a[U]) * (c[V] - a[V]) - (b[V] - a[V]) * (c[U] - a[U])
 
 
@@ -108,23 +88,23 @@ def _between_levels(
 
     It is divided by the diagonal that is inside it; where two opposite sides cross each other, at the crossing.
     """
-    last, first = _turn(here, there, across), _turn(here, across, above)
-    early, late = _turn(here, there, above), _turn(there, across, above)
+    last, first = _area(here, there, across), _area(here, across, above)
+    early, late = _area(here, there, above), _area(there, across, above)
     if last * first >= 0.0:
-        used = _piece(row, pair, here, there, across, polygon, pieces, used)
-        return _piece(row, pair, here, across, above, polygon, pieces, used)
+        used = cut_piece(row, pair, here, there, across, polygon, pieces, used)
+        return cut_piece(row, pair, here, across, above, polygon, pieces, used)
     if early * late >= 0.0:
-        used = _piece(row, pair, here, there, above, polygon, pieces, used)
-        return _piece(row, pair, there, across, above, polygon, pieces, used)
+        used = cut_piece(row, pair, here, there, above, polygon, pieces, used)
+        return cut_piece(row, pair, there, across, above, polygon, pieces, used)
     middle = polygon[2, 0]
     if early * last < 0.0:
         # The levels cross at the ray that lies in the scene triangle's plane.
         _crossing(here, there, first / (first - late), above, across, early / (early - last), middle)
-        used = _piece(row, pair, here, middle, above, polygon, pieces, used)
-        return _piece(row, pair, middle, there, across, polygon, pieces, used)
+        used = cut_piece(row, pair, here, middle, above, polygon, pieces, used)
+        return cut_piece(row, pair, middle, there, across, polygon, pieces, used)
     _crossing(here, above, last / (last - late), there, across, early / (early - first), middle)
-    used = _piece(row, pair, here, there, middle, polygon, pieces, used)
-    return _piece(row, pair, middle, across, above, polygon, pieces, used)
+    used = cut_piece(row, pair, here, there, middle, polygon, pieces, used)
+    return cut_piece(row, pair, middle, across, above, polygon, pieces, used)
 
 
 @compiled
@@ -136,98 +116,3 @@ def _crossing(
         on_one = a[word] + share * (b[word] - a[word])
         on_other = c[word] + other * (d[word] - c[word])
         middle[word] = 0.5 * (on_one + on_other)
-
-
-@inlined
-def _beyond_a_side(a: np.ndarray, b: np.ndarray, c: np.ndarray) -> bool:
-    beyond_u = a[U] < SLIVER and b[U] < SLIVER and c[U] < SLIVER
-    beyond_v = a[V] < SLIVER and b[V] < SLIVER and c[V] < SLIVER
-    last = 1.0 - SLIVER
-    return beyond_u or beyond_v or (a[U] + a[V] > last and b[U] + b[V] > last and c[U] + c[V] > last)
-
-
-@inlined
-def _inside(row: np.ndarray, point: np.ndarray, line: int) -> float:
-    """How far inside one of the lines that pieces are cut by; negative outside."""
-    w0, w1, w2 = row[PICTURE + 2], row[PICTURE + 5], row[PICTURE + 8]
-    u, v = point[U], point[V]
-    rest = 1.0 - u - v
-    if line == 3:
-        return rest * w0 + u * w1 + v * w2 - EYE * max(abs(w0), max(abs(w1), abs(w2)))
-    share = rest * abs(w0) if line == 0 else u * abs(w1) if line == 1 else v * abs(w2)
-    return share + GUARD * (rest * abs(w0) + u * abs(w1) + v * abs(w2))
-
-
-@compiled
-def _piece(
-    row: np.ndarray,
-    pair: int,
-    a: np.ndarray,
-    b: np.ndarray,
-    c: np.ndarray,
-    polygon: np.ndarray,
-    pieces: Pieces,
-    used: int,
-) -> int:
-    if _beyond_a_side(a, b, c):
-        return used
-    for word in range(TRACE):
-        polygon[0, 0, word], polygon[0, 1, word], polygon[0, 2, word] = a[word], b[word], c[word]
-    before_eye = row[PICTURE + 2] > 0.0 and row[PICTURE + 5] > 0.0 and row[PICTURE + 8] > 0.0
-    count, now = 3, 0
-    for line in range(3 if before_eye else 4):
-        outside = False
-        for k in range(count):
-            outside = outside or _inside(row, polygon[now, k], line) < 0.0
-        if outside:
-            count = _cut(row, polygon[now], count, line, polygon[1 - now])
-            now = 1 - now
-    for k in range(1, count - 1):
-        used = _write(row, pair, polygon[now], k, pieces, used)
-    return used
-
-
-@compiled
-def _cut(row: np.ndarray, whole: np.ndarray, count: int, line: int, kept: np.ndarray) -> int:
-    """What of a convex polygon is inside a line; how many corners that has."""
-    result = 0
-    for k in range(count):
-        here, following = whole[k], whole[(k + 1) % count]
-        at_here, at_following = _inside(row, here, line), _inside(row, following, line)
-        if at_here >= 0.0:
-            for word in range(TRACE):
-                kept[result, word] = here[word]
-            result += 1
-        if (at_here >= 0.0) != (at_following >= 0.0):
-            share = at_here / (at_here - at_following)
-            for word in range(TRACE):
-                kept[result, word] = (1.0 - share) * here[word] + share * following[word]
-            result += 1
-    return result
-
-
-@compiled
-def _write(
-    row: np.ndarray,
-    pair: int,
-    polygon: np.ndarray,
-    k: int,
-    pieces: Pieces,
-    used: int,
-) -> int:
-    """Add the triangle of a polygon's corners 0, k and k + 1."""
-    place, weights, t, pairs = pieces
-    if _beyond_a_side(polygon[0], polygon[k], polygon[k + 1]):
-        return used
-    for corner in range(3):
-        point = polygon[k + corner - 1 if corner else 0]
-        u, v = point[U], point[V]
-        rest = 1.0 - u - v
-        w = rest * row[PICTURE + 2] + u * row[PICTURE + 5] + v * row[PICTURE + 8]
-        for axis in range(2):
-            homogeneous = rest * row[PICTURE + axis] + u * row[PICTURE + 3 + axis] + v * row[PICTURE + 6 + axis]
-            place[used, corner, axis] = homogeneous / w
-        weights[used, corner, 0], weights[used, corner, 1] = point[SECOND], point[THIRD]
-        t[used, corner] = (point[T] + row[SHIFT]) * row[PACE]
-    pairs[used] = pair
-    return used + 1

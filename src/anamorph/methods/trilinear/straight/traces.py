@@ -17,12 +17,13 @@ import numpy as np
 
 from anamorph.base.compiled import compiled, inlined
 from anamorph.methods.trilinear.straight.chains import CORNER, EDGE, OPEN, WHICH, link_t
-from anamorph.raytriangle.packed import MEAN, SIDE, SIDES, cross, dot, normal, plus, three
-from anamorph.raytriangle.roots import insert, quadratic_roots
+from anamorph.methods.trilinear.straight.rows import SIDE, SIDES
+from anamorph.raytriangle.roots import insert
+from anamorph.raytriangle.rows import MEAN, cross, dot, normal, plus, three
 from anamorph.raytriangle.solve import NOWHERE, ROOT, ROOTS, ray_through
 
 T, U, V, SECOND, THIRD = range(5)
-"""Of a point of a trace: the frame's t, u and v, and its weights on the scene triangle's second and third corner."""
+"""Of a point of a trace: the scaled t, u and v, and its weights on the scene triangle's second and third corner."""
 
 TRACE = 5
 
@@ -35,7 +36,7 @@ BESIDE = 1e-6
 
 @compiled
 def side_crossings(row: np.ndarray, solved: np.ndarray, cuts: np.ndarray) -> None:
-    """The frame's t at which each edge of a scene triangle meets the three sides, ascending into `cuts` (3, 6)."""
+    """The scaled t at which each edge of a scene triangle meets the three sides, ascending into `cuts` (3, 6)."""
     for edge in range(3):
         a, b = three(solved[(edge + 1) % 3], 0), three(solved[(edge + 2) % 3], 0)
         along = plus(b, -1.0, a)
@@ -57,33 +58,51 @@ def side_crossings(row: np.ndarray, solved: np.ndarray, cuts: np.ndarray) -> Non
 
 
 @compiled
-def _place(
-    row: np.ndarray, solved: np.ndarray, within: np.ndarray, edge: int, t: float, trace: np.ndarray, count: int
-) -> int:
-    """Add where a scene edge meets the plane at t, if a ray leads there; how many points the trace has then."""
+def quadratic_roots(c0: float, c1: float, c2: float) -> tuple[float, float]:
+    """The real roots of c0 + c1 t + c2 t^2; infinite or not a number where there is none."""
+    inside = c1 * c1 - 4.0 * c0 * c2
+    if inside < 0.0:
+        return math.nan, math.nan
+    # The sum that does not cancel; the other root is the product of the roots divided by this one.
+    larger = -0.5 * (c1 + math.copysign(math.sqrt(inside), c1))
+    return larger / c2, c0 / larger
+
+
+@inlined
+def edge_weight(at_a: float, at_b: float) -> float:
+    """The weight of the first of an edge's ends where it meets the plane from which they are so far away."""
+    # Ends that rounding no longer sets apart: the whole edge lies in the plane, and its middle does for a point.
+    return min(max(at_b / (at_b - at_a), 0.0), 1.0) if at_b != at_a else 0.5
+
+
+@compiled
+def edge_ray(row: np.ndarray, solved: np.ndarray, edge: int, t: float) -> tuple[float, float, float, float]:
+    """Where a scene edge meets the plane at the scaled t: the weight of its first end; then as `ray_through`."""
     i, j = (edge + 1) % 3, (edge + 2) % 3
     upright, middle = normal(row, t), three(row, MEAN)
     a, b = three(solved[i], 0), three(solved[j], 0)
-    at_a, at_b = dot(plus(a, -t, middle), upright), dot(plus(b, -t, middle), upright)
-    between = at_b - at_a
-    weight = min(max(at_b / between, 0.0), 1.0) if between != 0.0 else 0.5
+    weight = edge_weight(dot(plus(a, -t, middle), upright), dot(plus(b, -t, middle), upright))
     point = (
         weight * a[0] + (1.0 - weight) * b[0],
         weight * a[1] + (1.0 - weight) * b[1],
         weight * a[2] + (1.0 - weight) * b[2],
     )
-    u, v, missed = ray_through(row, point, t)
-    if math.isnan(missed):
+    u, v, known = ray_through(row, point, t)
+    return weight, u, v, known
+
+
+@compiled
+def _place(
+    row: np.ndarray, solved: np.ndarray, within: np.ndarray, edge: int, t: float, trace: np.ndarray, count: int
+) -> int:
+    """Add where a scene edge meets the plane at t, if a ray leads there; how many points the trace has then."""
+    weight, u, v, known = edge_ray(row, solved, edge, t)
+    if known == NOWHERE:
         return count
-    return _add(
-        trace,
-        count,
-        t,
-        u,
-        v,
-        weight * within[i, 0] + (1.0 - weight) * within[j, 0],
-        weight * within[i, 1] + (1.0 - weight) * within[j, 1],
-    )
+    i, j = (edge + 1) % 3, (edge + 2) % 3
+    second = weight * within[i, 0] + (1.0 - weight) * within[j, 0]
+    third = weight * within[i, 1] + (1.0 - weight) * within[j, 1]
+    return _add(trace, count, t, u, v, second, third)
 
 
 @inlined
@@ -119,7 +138,7 @@ def levels_of(
     cuts: np.ndarray,
     levels: np.ndarray,
 ) -> int:
-    """The frame's t between `low` and `high` at which both traces of a shape get a point, ascending; how many.
+    """The scaled t between `low` and `high` at which both traces of a shape get a point, ascending; how many.
 
     They are `slices` evenly spaced ones, those of corners on either chain, and those of `cuts` on an edge that a chain
     is on then. start, stop : (2,) int64, of the chains.
@@ -161,7 +180,7 @@ def traced(
         The corners' weights on the scene triangle that they are part of.
     links, side, start, stop : the chain, as from `connected`
     low, high : float
-        The frame's t between which the shape is kept; within the shape's own.
+        The scaled t between which the shape is kept; within the shape's own.
     levels : (L,) float64
         Where to add points, ascending.
     trace : (N, 5) float64

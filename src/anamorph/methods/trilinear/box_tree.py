@@ -8,7 +8,7 @@ Source of the sorting: Morton order, as in Lauterbach et al., "Fast BVH construc
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -21,9 +21,8 @@ BITS = 10
 """Of each coordinate along the curve."""
 
 
-@dataclass(frozen=True, eq=False)
-class Tree:
-    """Boxes over sorted triangles.
+class BoxTree(NamedTuple):
+    """Boxes over sorted triangles, as compiled loops read them.
 
     Parameters
     ----------
@@ -42,7 +41,7 @@ class Tree:
     corners: np.ndarray
 
 
-def make_tree(corners: np.ndarray) -> Tree:
+def make_tree(corners: np.ndarray) -> BoxTree:
     """The tree over triangles (M, 3, 3)."""
     corners = np.ascontiguousarray(corners, float)
     keys = np.empty(len(corners), np.int64)
@@ -52,16 +51,16 @@ def make_tree(corners: np.ndarray) -> Tree:
     return _boxed((keys & 0xFFFFFFFF).astype(np.int32), corners)
 
 
-def moved_tree(tree: Tree, corners: np.ndarray) -> Tree:
+def moved_tree(tree: BoxTree, corners: np.ndarray) -> BoxTree:
     """The tree with its triangles where `corners` (M, 3, 3) says, in the caller's order."""
     return _boxed(tree.faces, np.ascontiguousarray(corners, float))
 
 
-def _boxed(order: np.ndarray, corners: np.ndarray) -> Tree:
+def _boxed(order: np.ndarray, corners: np.ndarray) -> BoxTree:
     leaves = 1
     while leaves * LEAF < len(order):
         leaves *= 2
-    tree = Tree(order, np.full((2 * leaves, 3), np.inf), np.full((2 * leaves, 3), -np.inf), np.empty_like(corners))
+    tree = BoxTree(order, np.full((2 * leaves, 3), np.inf), np.full((2 * leaves, 3), -np.inf), np.empty_like(corners))
     _fill(order, corners, tree.low, tree.high, tree.corners)
     return tree
 

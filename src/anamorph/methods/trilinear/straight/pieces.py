@@ -13,19 +13,16 @@ the same t, instead of being drawn as polygons of any form. And see `traces` and
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 
 import numpy as np
 
 from anamorph.base.compiled import over_all_cores
-from anamorph.base.errors import AnamorphError
 from anamorph.methods.trilinear.straight.fill import filled, pieces_for
-from anamorph.raytriangle.coefficients import ray_triangle_frame
-from anamorph.raytriangle.packed import packed
+from anamorph.methods.trilinear.straight.rows import straight_rows
 
 GRAIN = 4096
-"""Small triangles that one core takes at a time; enough for neighbours to share their corners."""
+"""Small triangles that one core takes at a time."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,7 +62,7 @@ def straight_pieces(
     """What each ray triangle of `pairs` sees of its scene triangle, with straight edges between projected points.
 
     t and weights are meant to be interpolated linearly over each piece, as in the thesis. It is the same on any number
-    of cores. Fastest where pairs are in the order of ray triangles and neighbouring scene triangles follow each other.
+    of cores.
 
     Parameters
     ----------
@@ -89,15 +86,10 @@ def straight_pieces(
     Raises
     ------
     AnamorphError
-        If a shape, a number or an index is not as stated.
+        If a ray is not finite, or all directions of a ray triangle are 0.
     """
-    picture, origins, directions, corners, pairs = _checked(picture, origins, directions, corners, pairs)
-    if not math.isfinite(near):
-        raise AnamorphError(f"straight pieces: near is {near}; it must be a finite number")
-    for name, factor, least in (("slices", slices, 0), ("tessellate", tessellate, 1)):
-        if factor < least:
-            raise AnamorphError(f"straight pieces: {name} is {factor}; it must be {least} or more")
-    rows = packed(ray_triangle_frame(origins, directions), picture)
+    rows = straight_rows(picture, origins, directions)
+    corners, pairs = np.ascontiguousarray(corners, float), np.ascontiguousarray(pairs, np.int64)
     divided = tessellate * tessellate
     total = len(pairs) * divided
     found: list[list[tuple[np.ndarray, ...]]] = [[] for _ in range(0, total, GRAIN)]
@@ -108,23 +100,3 @@ def straight_pieces(
     over_all_cores(work, total, GRAIN)
     parts = [pieces_for(0), *(part for chunk in found for part in chunk)]
     return StraightPieces(*(np.concatenate(arrays) for arrays in zip(*parts, strict=True)))
-
-
-def _checked(
-    picture: np.ndarray, origins: np.ndarray, directions: np.ndarray, corners: np.ndarray, pairs: np.ndarray
-) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-    picture, origins, directions, corners = (
-        np.ascontiguousarray(array, float) for array in (picture, origins, directions, corners)
-    )
-    pairs = np.ascontiguousarray(pairs, np.int64)
-    if any(array.ndim != 3 or array.shape[1:] != (3, 3) for array in (picture, origins, directions, corners)):
-        raise AnamorphError("straight pieces: picture, origins, directions and corners must be (N, 3, 3) arrays")
-    if not len(picture) == len(origins) == len(directions):
-        raise AnamorphError("straight pieces: picture, origins and directions must have a row for each ray triangle")
-    if not (np.isfinite(picture).all() and np.isfinite(corners).all()):
-        raise AnamorphError("straight pieces: picture and corners must be finite numbers")
-    if pairs.ndim != 2 or pairs.shape[1] != 2:
-        raise AnamorphError("straight pieces: pairs must be (P, 2): ray triangle, scene triangle")
-    if len(pairs) and (pairs.min() < 0 or (pairs.max(axis=0) >= (len(origins), len(corners))).any()):
-        raise AnamorphError("straight pieces: pairs name a ray triangle or a scene triangle that is not there")
-    return picture, origins, directions, corners, pairs

@@ -1,42 +1,59 @@
 """One step of a slider: a mirror is turned, and the scene, which is large otherwise, is opened and drawn again.
 
-Run it with `./run bench editing`. Before the steps that count, two others fill what is kept from one to the next.
+Before the steps that count, two others fill what is kept from one to the next.
 """
 
 from __future__ import annotations
 
-import argparse
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from time import perf_counter
 
 import numpy as np
+from rich.table import Table
+from rich.text import Text
 
 from anamorph import gallery
 from anamorph.frame import View
 from anamorph.gallery.shapes import lattice
+from anamorph.gpu.device import adapter_name
+from anamorph.measure.figures import number
 from anamorph.methods import METHODS, parse
 from anamorph.scene.model import Mesh, Scene
 from anamorph.viewer.controls import edited
 
 COUNTS = (10_000, 100_000, 300_000, 1_000_000)
+"""Triangles around the mirror."""
+
+SIZE = (400, 300)
+FILLING = 2
 
 
-def main() -> None:
-    """Measure, and print a table."""
-    parser = argparse.ArgumentParser(prog="./run bench editing", description=__doc__.splitlines()[0])
-    parser.add_argument("-m", "--method", action="append", help="with its options; may be repeated (all methods)")
-    parser.add_argument("--triangles", type=int, action="append", help="around the mirror; may be repeated")
-    parser.add_argument("--size", default="400x300", help="of the picture (400x300)")
-    parser.add_argument("--steps", type=int, default=9, help="of which the median is told (9)")
-    arguments = parser.parse_args()
-    width, height = map(int, arguments.size.split("x"))
-    print("medians, ms | triangles | method | edit | open | first picture | second picture")
-    for count in arguments.triangles or COUNTS:
+def editing_table(
+    specs: Sequence[str] | None = None,
+    size: tuple[int, int] = SIZE,
+    steps: int = 9,
+    progress: Callable[[int, int], None] = lambda done, total: None,
+    counts: Sequence[int] = COUNTS,
+) -> Table:
+    """Time steps of a slider in scenes of `counts` triangles, by methods with their options (all methods)."""
+    width, height = size
+    table = Table(
+        title=Text(f"one step of a slider, {width} x {height}: medians, in ms"),
+        caption=Text(f"{adapter_name()}; {steps} steps"),
+        title_justify="left",
+        caption_justify="left",
+    )
+    for heading in ("triangles", "method", "edit", "open", "first image", "second image"):
+        table.add_column(heading, justify="left" if heading == "method" else "right")
+    cases = [(count, method) for count in counts for method in specs or METHODS]
+    for done, (count, method) in enumerate(cases):
+        progress(done, len(cases))
         scene = hilly(count)
-        for method in arguments.method or METHODS:
-            times = np.array([step(scene, method, (width, height), 0.2 * n) for n in range(arguments.steps + 2)])
-            told = " | ".join(f"{1e3 * median:.1f}" for median in np.median(times[2:], axis=0))
-            print(f"{sum(len(mesh.faces) for mesh in scene.meshes)} | {method} | {told}", flush=True)
+        times = np.array([step(scene, method, size, 0.2 * n) for n in range(steps + FILLING)])
+        medians = [number(1000.0 * median) for median in np.median(times[FILLING:], axis=0)]
+        table.add_row(f"{sum(len(mesh.faces) for mesh in scene.meshes):,}", Text(method), *medians)
+    return table
 
 
 def step(scene: Scene, method: str, size: tuple[int, int], swivel: float) -> list[float]:
@@ -60,8 +77,8 @@ def hilly(count: int, strips: int = 8) -> Scene:
     columns = int(np.sqrt(count / 2 / strips))
     rows = max(count // (2 * strips * columns), 1)
     hills = []
-    for number in range(strips):
-        x, z = np.meshgrid(np.linspace(-60, 60, columns + 1), 20.0 * np.linspace(number - 1, number, rows + 1))
+    for strip in range(strips):
+        x, z = np.meshgrid(np.linspace(-60, 60, columns + 1), 20.0 * np.linspace(strip - 1, strip, rows + 1))
         y = 0.4 * np.sin(0.5 * x) * np.cos(0.7 * z) + 0.05 * np.sin(5.0 * x) - 1.0
         slope_x = 0.2 * np.cos(0.5 * x) * np.cos(0.7 * z) + 0.25 * np.cos(5.0 * x)
         normals = np.stack([-slope_x, np.ones_like(x), 0.28 * np.sin(0.5 * x) * np.sin(0.7 * z)], axis=-1)
@@ -69,9 +86,5 @@ def hilly(count: int, strips: int = 8) -> Scene:
         places = np.stack([x, y, z], axis=-1).reshape(-1, 3).astype(np.float32)
         faces = lattice(columns + 1, rows + 1).astype(np.int32)
         normal = normals.reshape(-1, 3).astype(np.float32)
-        hills.append(Mesh(f"hills-{number}", places, faces, normal, colors=np.abs(np.sin(places))))
+        hills.append(Mesh(f"hills-{strip}", places, faces, normal, colors=np.abs(np.sin(places))))
     return replace(scene, name="hills", meshes=(scene.meshes[0], *hills))
-
-
-if __name__ == "__main__":
-    main()

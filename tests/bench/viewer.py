@@ -1,7 +1,8 @@
 """The viewer in a browser: pictures a second while the eye moves, how soon a slider shows, and half an hour of use.
 
 Run it with `./run bench viewer`, or for the half hour with `./run bench viewer --minutes 30`. Chromium shows what the
-command serves, on the same machine: it takes its share of the cores, as it does for whoever uses the viewer.
+command serves, on the same machine: it takes its share of the cores, as it does for whoever uses the viewer. It stands
+here and not in the package because it needs what the tests of the viewer need.
 """
 
 from __future__ import annotations
@@ -18,7 +19,7 @@ from typing import Any
 
 import numpy as np
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests"))
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 from browser import Served, Tab, chromium, served, tab_of
 from playwright.sync_api import sync_playwright

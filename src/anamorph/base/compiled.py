@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import os
+import re
 from collections.abc import Callable, Generator
 from concurrent.futures import Future, ThreadPoolExecutor, wait
 from functools import cache
@@ -51,9 +52,13 @@ def _compiled(function: Callable[..., Any], **more: bool) -> Callable[..., Any]:
 
 @cache
 def _stamp() -> str:
-    """A digest of every module with compiled functions."""
-    texts = (file.read_bytes() for file in sorted(Path(__file__).parent.rglob("*.py")))
-    return hashlib.sha256(b"".join(text for text in texts if b"@compiled" in text or b"@inlined" in text)).hexdigest()
+    return hashlib.sha256(b"".join(file.read_bytes() for file in compiled_modules())).hexdigest()
+
+
+def compiled_modules() -> list[Path]:
+    """The package's modules with compiled functions, any of which may be built into another's machine code."""
+    files = sorted(Path(__file__).parents[1].rglob("*.py"))
+    return [file for file in files if re.search(rb"^@(compiled|inlined)$", file.read_bytes(), re.MULTILINE)]
 
 
 def cores() -> int:

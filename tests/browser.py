@@ -35,7 +35,7 @@ FLAGS = (
     "--disable-sync",
 )
 HOME = Path(anamorph.__file__).resolve().parents[1]
-PATIENCE = 60.0
+PATIENCE = 300.0
 """Seconds for what takes one or two on a machine that does nothing else."""
 
 

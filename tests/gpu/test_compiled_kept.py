@@ -1,4 +1,4 @@
-"""What sessions leave in the driver, where no counting of Python's objects finds it: no shader that it compiled for one.
+"""What sessions leave in the driver, where no counting of Python's objects finds it: no shader compiled for one alone.
 
 Counted is the machine code in the process's memory, which depends on nothing else that the machine does.
 """

@@ -18,7 +18,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from browser import chromium, needs_chromium
+from browser import PATIENCE, chromium, needs_chromium
 from PIL import Image
 
 import anamorph as an
@@ -78,7 +78,7 @@ class Page:
 
 
 async def until(happened: Callable[[], Any]) -> None:
-    for _ in range(1200):
+    for _ in range(20 * int(PATIENCE)):
         if happened():
             return
         await asyncio.sleep(0.05)
@@ -121,8 +121,7 @@ def test_a_cell_shows_the_viewer_which_follows_the_pointer(monkeypatch):
         await page.picture_like(lambda picture: share_changed(picture, first) > 0.05)
         assert page.threads == {threading.current_thread()}
         widget.close()
-        await asyncio.sleep(0.3)
-        assert widget.get_closed()
+        await until(widget.get_closed)
 
     with ear() as loop:
         asyncio.run(notebook())

@@ -229,6 +229,7 @@ def test_the_widget_tells_of_its_views_takes_two_fingers_and_keeps_its_keys():
 
     with sync_playwright() as playwright, chromium(playwright) as browser:
         page = browser.new_page(viewport={"width": 400, "height": 500}, has_touch=True)
+        page.set_default_timeout(1000 * PATIENCE)
         page.set_content("<div id=one></div><div id=two></div><button>elsewhere</button>")
         page.add_style_tag(content=str(Widget._css))
         page.evaluate(MODEL, str(Widget._esm))

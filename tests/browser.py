@@ -35,7 +35,7 @@ FLAGS = (
     "--disable-sync",
 )
 HOME = Path(anamorph.__file__).resolve().parents[1]
-PATIENCE = 60.0
+PATIENCE = 300.0
 """Seconds for what takes one or two on a machine that does nothing else."""
 
 
@@ -106,11 +106,12 @@ class Tab:
     def __init__(self, page: Any, address: str) -> None:
         self.page, self._address = page, address
         self.complaints: list[str] = []
+        page.set_default_timeout(1000 * PATIENCE)
         page.on("console", lambda message: self.complaints.append(message.text))
         page.on("pageerror", lambda error: self.complaints.append(str(error)))
 
     def wait_for_picture(self) -> None:
-        self.page.wait_for_selector("img[src^='blob:']", timeout=1000 * PATIENCE)
+        self.page.wait_for_selector("img[src^='blob:']")
 
     def report(self) -> dict[str, Any]:
         return self.page.context.request.get(f"{self._address}report.json").json()

@@ -49,19 +49,32 @@ def ray_triangle(kind, nearly, random):
 
 
 def points_for(p, n, nearly, random):
-    """Points on rays, on caustics (double roots), near them, at the origins, and anywhere; (N, 3)."""
+    """Points on rays, on caustics (double roots), near them, at the origins, and anywhere; (10, 3).
+
+    Each processor draws the same: nothing here is a matter of the last digit, and sums are taken in one order.
+    """
     found = list(p.mean(axis=0) + random.uniform(-3, 3, (2, 3)))
     for _ in range(2):
-        w = random.dirichlet([1, 1, 1]) if random.random() < 0.7 else np.array([-0.7, 0.4, 1.3])
-        found.append(w @ p + random.choice([0.0, 0.3, 2.0, 50.0]) * (w @ n))
+        share = random.uniform(0.02, 1.0, 3)
+        w = share / share.sum() if random.random() < 0.7 else np.array([-0.7, 0.4, 1.3])
+        origin, along = ((w[:, None] * vectors).sum(axis=0) for vectors in (p, n))
+        found.append(origin + random.choice([0.0, 0.3, 2.0, 50.0]) * along)
         # Along a ray, the caustic is where the parametric triangle holds the ray's own direction.
-        values = [np.dot(np.cross(*((p + t * n)[1:] - (p + t * n)[0])), w @ n) for t in (-1.0, 0.0, 1.0)]
+        at = [p + t * n for t in (-1.0, 0.0, 1.0)]
+        values = [(np.cross(q[1] - q[0], q[2] - q[0]) * along).sum() for q in at]
         square, slope = 0.5 * (values[0] + values[2]) - values[1], 0.5 * (values[2] - values[0])
-        for t in np.roots([square, slope, values[1]]) if square else []:
-            if abs(t.imag) == 0.0 and abs(t) < 1e4:
-                found.append(w @ p + t.real * (w @ n) + random.choice([0.0, nearly]) * random.uniform(-1, 1, 3))
+        aside = random.choice([0.0, nearly], 2)[:, None] * random.uniform(-1, 1, (2, 3))
+        for t, off in zip(quadratic(square, slope, values[1]), aside, strict=True):
+            found.append(origin + t * along + off)
     found.append(p[0])
     return np.array(found)
+
+
+def quadratic(square, slope, constant):
+    """The roots of square t^2 + slope t + constant up to 1e4, or where it is nearest to having them."""
+    larger = -0.5 * (slope + np.copysign(np.sqrt(max(slope**2 - 4.0 * square * constant, 0.0)), slope))
+    ratios = ((larger, square), (constant, larger))
+    return [np.clip(over / under, -1e4, 1e4) if under else 0.0 for over, under in ratios]
 
 
 EXAMPLES = Path(printed.__file__).parent / "assets" / "c-configurations.csv"

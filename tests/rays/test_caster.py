@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-import time
+import os
+from concurrent import futures
+from threading import Event
 
 import numpy as np
 import pytest
@@ -52,7 +54,7 @@ def test_a_missing_library_fails_the_check(monkeypatch):
     def missing():
         raise rays.embree.EmbreeUnavailable("no libembree4 inside embreex")
 
-    monkeypatch.setattr(rays.embree, "_library", missing)
+    monkeypatch.setattr(rays.embree, "embree4", missing)
     assert not rays.direct_works.__wrapped__()
 
 
@@ -147,20 +149,25 @@ def test_a_closed_mesh_has_no_gap(monkeypatch):
 
 def test_after_a_failed_piece_none_is_running_and_no_other_starts(monkeypatch):
     monkeypatch.setattr(compiled, "cores", lambda: 2)
-    begun = []
+    begun, ended, given_up = [], [], Event()
+
+    def wait(pieces):
+        given_up.set()
+        futures.wait(pieces)
 
     def work(start: int, stop: int) -> None:
         begun.append(start)
         if start == 0:
             raise ValueError("the first piece")
-        time.sleep(0.02)
+        assert given_up.wait(60.0)
+        ended.append(start)
 
+    monkeypatch.setattr(compiled, "wait", wait)
     with pytest.raises(ValueError, match="the first piece"):
         compiled.over_all_cores(work, 400, 1)
-    count = len(begun)
-    assert count < 100
-    time.sleep(0.1)
-    assert len(begun) == count
+    # One that each thread had begun, and the failed one.
+    assert len(begun) <= 1 + os.cpu_count()
+    assert len(ended) == len(begun) - 1
 
 
 def test_a_tree_that_cannot_be_built_falls_back(monkeypatch):

@@ -4,7 +4,8 @@
 root inside the ray triangle that is well placed: the cubic's derivative, over the length of the ray's direction and the
 square of the parametric triangle's longest side, is at least 1e-4 (it is 0 on a caustic, and where the parametric
 triangle is a line), the parametric triangle is no smaller than 1e-6 of the coordinates that it comes from, and t is at
-most 1e5 in units of the scene.
+most 1e5 in units of the scene. Where both are small, what two floats lose is divided by both: then no more is asked
+than that.
 """
 
 from __future__ import annotations
@@ -23,10 +24,12 @@ from anamorph.raytriangle.device import project_points_on_device
 WITHIN = 1e-3 / 800
 PLACED = 1e-4
 SMALLEST = 1e-6
+LOST = 2.0**-43
+"""Of a coordinate, by a few dozen sums and products of two floats."""
 
 
 def well_placed(p, n, result):
-    """Which roots (K, N, 3) are well placed in ray triangles (K, 3, 3)."""
+    """Which roots (K, N, 3) are well placed in ray triangles (K, 3, 3), and how near two floats tell their u and v."""
     u, v, t = (array[..., None] for array in (result.u, result.v, result.t))
     p, n = p[:, None, None], n[:, None, None]
     a, b, c = (p[..., k, :] + t * n[..., k, :] for k in range(3))
@@ -38,7 +41,9 @@ def well_placed(p, n, result):
     full = np.abs(p - p.mean(axis=(0, 1, 2, 3))).max() + np.abs(result.t) * np.abs(n).max(axis=(-1, -2))
     short = np.abs(result.t) * np.linalg.norm(n, axis=-1).max(axis=-1) <= 1e5 * np.maximum(around, 1e-3)
     placed = (derivative >= PLACED * np.linalg.norm(along, axis=-1) * longest**2) & (longest >= SMALLEST * full)
-    return placed & short & (longest > 0.0)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        told = LOST * full * longest * np.linalg.norm(along, axis=-1) / derivative
+    return placed & short & (longest > 0.0), np.maximum(told, WITHIN)
 
 
 def nearest(result, other):
@@ -54,10 +59,11 @@ def assert_equal(p, n, points):
     assert (found.real[..., :-1] | ~found.real[..., 1:]).all()
     assert (np.diff(found.t, axis=-1)[found.real[..., 1:]] >= 0.0).all()
     assert not found.u[~found.valid].any() and not found.v[~found.valid].any() and not found.t[~found.real].any()
-    asked = well_placed(p, n, truth), well_placed(p, n, found)
-    for one, other, placed in ((truth, found, asked[0]), (found, truth, asked[1])):
-        off = nearest(one, other)[one.inside & placed]
-        assert len(off) > 0 and off.max() <= WITHIN
+    asked, told = zip(well_placed(p, n, truth), well_placed(p, n, found), strict=True)
+    for one, other, placed, within in ((truth, found, asked[0], told[0]), (found, truth, asked[1], told[1])):
+        here = one.inside & placed
+        off = nearest(one, other)[here] / within[here]
+        assert len(off) > 0 and off.max() <= 1.0
     # As many roots, in and near the ray triangle, for points all of whose roots are well placed.
     counts = [
         ((np.abs(one.u - 0.5) < 1.5) & (np.abs(one.v - 0.5) < 1.5) & one.valid).sum(axis=-1) for one in (truth, found)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Generator
 from dataclasses import replace
 from typing import Any, ClassVar
@@ -264,14 +263,13 @@ def test_a_method_that_cannot_leaves_its_half_black_and_says_why(scene: Scene) -
 
 
 class _Sized:
-    """A method's session that draws only small pictures, or only slowly."""
+    """A method's session that draws only small pictures."""
 
-    def __init__(self, size: tuple[int, int], widest: int, seconds: float) -> None:
-        self.size, self._widest, self._seconds = size, widest, seconds
+    def __init__(self, size: tuple[int, int], widest: int) -> None:
+        self.size, self._widest = size, widest
         self.texture = linear_texture(np.ones((size[1], size[0], 3)))
 
     def draw(self, camera: an.Camera, shift: tuple[float, float] = (0.0, 0.0)) -> None:
-        time.sleep(self._seconds)
         if self.size[0] > self._widest:
             raise AnamorphError("too large")
 
@@ -283,13 +281,15 @@ class _Sized:
 
 
 def drawn_by(monkeypatch: pytest.MonkeyPatch, widest: int = 10**6, seconds: float = 0.0) -> list[tuple[int, int]]:
-    """The sizes of the pictures that are drawn from now on, by a method that has these limits."""
+    """The sizes of the pictures that are drawn from now on, by a method with these limits and a clock of its own."""
     sizes: list[tuple[int, int]] = []
 
     def session(self: MethodPictures, camera: an.Camera, size: tuple[int, int]) -> _Sized:
         sizes.append(size)
-        return _Sized(size, widest, seconds)
+        return _Sized(size, widest)
 
+    for module in ("base.steps", "viewer.showing"):
+        monkeypatch.setattr(f"anamorph.{module}.perf_counter", lambda: seconds * len(sizes))
     monkeypatch.setattr(MethodPictures, "_session", session)
     return sizes
 
@@ -334,7 +334,7 @@ class _Stepped(_Sized):
     fails: ClassVar[bool] = False
 
     def __init__(self, size: tuple[int, int]) -> None:
-        super().__init__(size, 10**6, 0.0)
+        super().__init__(size, 10**6)
 
     def drawing(self, camera: an.Camera, shift: tuple[float, float] = (0.0, 0.0)) -> Generator[None, None, None]:
         yield

@@ -33,10 +33,11 @@ class Clock:
 
     def run_out(self) -> None:
         """Go on until nothing is left to be called."""
-        patience = time.monotonic() + 60.0
-        while self.due:
-            assert time.monotonic() < patience, "there is no end to it"
+        for _ in range(10_000):
+            if not self.due:
+                return
             self.tick()
+        raise AssertionError("there is no end to it")
 
 
 @pytest.fixture

@@ -50,9 +50,13 @@ def virtual_viewpoint(origins: np.ndarray, directions: np.ndarray, weights: np.n
     across = vectors[:, 1:]
     sideways = across @ ((across.T @ right_side) / values[1:])
     # Solving values[0] * distance = -(along . right_side) for the distance behind the centre, as a ratio.
-    pull, spread = -float(along @ right_side), max(float(values[0]), 0.0)
-    if spread < PARALLEL * values[2] and abs(pull) <= PARALLEL * np.linalg.norm(np.ptp(origins, axis=0)):
-        return np.append(-along, 0.0)
+    pull, spread = -float(along @ right_side), float(values[0])
+    if spread < PARALLEL * values[2]:
+        if abs(pull) <= PARALLEL * np.linalg.norm(np.ptp(origins, axis=0)):
+            return np.append(-along, 0.0)
+        # The eigenvalue as the mean of squares that it is: of near-parallel rays it is all rounding.
+        shares = np.full(len(origins), 1.0 / len(origins)) if weights is None else weights
+        spread = float(shares @ np.sum((directions @ across) ** 2, axis=1))
     scale = max(abs(pull), spread)
     weight, distance = spread / scale, pull / scale
     return np.append(weight * (center + sideways) - distance * along, weight)

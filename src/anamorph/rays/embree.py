@@ -73,7 +73,7 @@ class EmbreeUnavailable(RuntimeError):
 
 
 @cache
-def _library() -> tuple[ctypes.CDLL, int, int]:
+def embree4() -> tuple[ctypes.CDLL, int, int]:
     """The library, its one device, and the address of rtcIntersect16."""
     spec = importlib.util.find_spec("embreex")
     if spec is None or spec.origin is None:
@@ -128,7 +128,7 @@ class EmbreeTree:
     """
 
     def __init__(self, positions: np.ndarray, faces: np.ndarray, upkeep: Upkeep = Upkeep.NONE) -> None:
-        library, device, _ = _library()
+        library, device, _ = embree4()
         self.upkeep = upkeep
         self._geometry: int | None = None
         # Embree reads the last vertex with a 16-byte load.
@@ -165,13 +165,13 @@ class EmbreeTree:
         assert self.upkeep is not Upkeep.NONE
         self._vertices[:-1] = positions
         if self._geometry is not None:
-            library = _library()[0]
+            library = embree4()[0]
             library.rtcUpdateGeometryBuffer(self._geometry, _VERTICES, 0)
             library.rtcCommitGeometry(self._geometry)
             self._commit()
 
     def _commit(self) -> None:
-        library, device, _ = _library()
+        library, device, _ = embree4()
         library.rtcCommitScene(self._scene)
         if library.rtcGetDeviceError(device):
             raise EmbreeUnavailable("Embree could not build its tree")
@@ -236,7 +236,7 @@ class EmbreeForest:
     ) -> None:
         """Fill `distance` (N,), `triangle` (N,) and `barycentric` (N, 2) for rays (N, 3): one core, no lock held."""
         store = np.zeros((ROWS + 2) * PACKET, np.float32)
-        call = (_library()[2], self._arguments[coherent].ctypes.data)
+        call = (embree4()[2], self._arguments[coherent].ctypes.data)
         forest = (self._addresses, self._firsts, self._numbers)
         _cast(store, *call, *forest, origins, directions, near, distance, triangle, barycentric)
 

@@ -9,7 +9,8 @@ a million roots inside random ray triangles, with coordinates about 1 or 1000, b
 roots meet, and no float32 start tells them apart: of roots where the cubic's derivative is less than 1e-4 (over the
 length of the ray's direction and the square of the parametric triangle's longest side: one in 15,000 of the random
 ones), one in fifty or so is off by more than 1e-3 pixels. What two floats cannot hold is a parametric triangle smaller
-than about 1e-6 of the distances between ray triangles and points.
+than about 1e-6 of the distances between ray triangles and points. Near a caustic where the parametric triangle is small
+both count: u and v are told to about 3e-14, over that derivative and over the triangle's share of those distances.
 """
 
 from __future__ import annotations

@@ -9,8 +9,8 @@ from hypothesis import strategies as st
 from plans import planned
 from scenes import CAMERA, CENTER, SIZE, flat_mirror, scene_with, spherical_mirror
 
-from anamorph.gallery.shapes import icosphere
-from anamorph.methods.pervertex.division import MOST_PATCHES, divide, seen_faces
+from anamorph.gallery.shapes import box, icosphere
+from anamorph.methods.pervertex.division import MOST_PATCHES, divide, longest_extent, seen_faces
 from anamorph.optics.reflection import reflected_rays, reflector
 from anamorph.raymesh import RayMesh, RayStatus
 from anamorph.scene.camera import Camera
@@ -68,6 +68,28 @@ def test_every_face_is_in_one_patch_and_every_patch_in_its_cone(drawn, degrees):
         widest = np.degrees(np.arccos(np.clip(means[patch] @ axes.T, -1.0, 1.0))).max(axis=0).min()
         # A face whose directions cancel out has none to be near to.
         assert widest <= 0.5 * degrees + 1.0 or (np.linalg.norm(means[patch], axis=1) < 0.9).any()
+
+
+WALLS = box((-1.0, -1.0, -1.0), (1.0, 1.0, 1.0))
+
+
+@pytest.mark.parametrize(("directions", "faces"), [icosphere(2), (WALLS.normals.astype(float), WALLS.faces)])
+def test_rays_to_all_sides_alike_are_divided_one_way_whatever_the_last_digit(directions, faces):
+    patches = divide(ray_mesh(directions, faces), np.arange(len(faces)), np.radians(100.0))
+    assert len(patches) > 3
+    for last_digit in 1e-15 * np.random.default_rng(1).normal(size=(40, *directions.shape)):
+        again = divide(ray_mesh(directions + last_digit, faces), np.arange(len(faces)), np.radians(100.0))
+        assert [patch.tolist() for patch in again] == [patch.tolist() for patch in patches]
+
+
+@pytest.mark.parametrize(
+    ("sides", "longest"),
+    [((1, 1, 1), (1, 0, 0)), ((1, 2, 2), (0, 1, 0)), ((2, 1, 2), (1, 0, 0)), ((1, 1, 2), (0, 0, 1))],
+)
+def test_of_equal_extents_one_is_the_longest_whatever_the_last_digit(sides, longest):
+    corners = np.stack(np.meshgrid([-1, 1], [-1, 1], [-1, 1]), axis=-1).reshape(-1, 3) * np.array(sides, float)
+    for last_digit in 1e-15 * np.random.default_rng(1).normal(size=(40, 8, 3)):
+        assert np.abs(longest_extent(corners + last_digit)) == pytest.approx(longest, abs=1e-9)
 
 
 @given(SEEDS, st.floats(1.0, 150.0))

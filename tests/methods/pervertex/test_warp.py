@@ -14,7 +14,7 @@ from scenes import CAMERA, CENTER, SIZE, flat_mirror, pixels_of, scene_with, sph
 from anamorph.gallery import make
 from anamorph.gallery.shapes import box
 from anamorph.methods.pervertex import Options
-from anamorph.methods.pervertex.warp import _aligned, _near_normal, plan_map
+from anamorph.methods.pervertex.warp import aligned, near_normal, plan_map
 from anamorph.projection import map_frame
 from anamorph.raymesh import RayStatus
 from anamorph.scene.camera import Camera
@@ -99,7 +99,7 @@ def test_normals_that_cancel_out_leave_the_near_plane_across_the_view():
     """A corridor of mirrors: its rays agree, its normals do not."""
     frame = map_frame(np.array([0.0, 0.0, 1.0, 1.0]), np.zeros(3), np.diag([1.0, 1.0, -1.0]))
     normals, directions = np.array([[1.0, 0.0, 0.0], [-1.0, 0.0, 0.0]]), np.array([[0.0, 0.0, -1.0]] * 2)
-    assert _near_normal(np.array([0.5, 0.5]), normals, directions, frame).tolist() == [0.0, 0.0, -1.0]
+    assert near_normal(np.array([0.5, 0.5]), normals, directions, frame).tolist() == [0.0, 0.0, -1.0]
 
 
 def test_the_maps_resolution_follows_the_pixels_that_it_fills():
@@ -279,7 +279,7 @@ def bundles(draw):
 def test_maps_are_turned_along_their_rays_by_at_most_45_degrees(drawn):
     axes, directions, longer = drawn
     weights = np.full(len(directions), 1.0 / len(directions))
-    turned = _aligned(axes, directions, weights)
+    turned = aligned(axes, directions, weights)
     assert turned @ turned.T == pytest.approx(np.eye(3), abs=1e-12)
     assert np.linalg.det(turned) == pytest.approx(np.linalg.det(axes))
     assert turned[2].tolist() == axes[2].tolist()
@@ -300,8 +300,18 @@ def test_only_rays_that_count_turn_a_map():
     directions = np.concatenate([diagonal, stray])
     directions /= np.linalg.norm(directions, axis=1, keepdims=True)
     weights = np.append(np.full(len(diagonal), 1.0 / len(diagonal)), [0.0, 0.0])
-    turned = _aligned(axes, directions, weights)
+    turned = aligned(axes, directions, weights)
     assert np.abs(turned[0] @ axes[0]) == pytest.approx(np.sqrt(0.5), abs=1e-6)
+
+
+def test_rays_on_the_diagonal_turn_a_map_one_way_whatever_the_last_digit():
+    x, y = np.meshgrid(np.linspace(-0.3, 0.3, 7), np.linspace(-0.1, 0.1, 7))
+    directions = np.stack([x - y, x + y, np.full_like(x, np.sqrt(2.0))], axis=-1).reshape(-1, 3)
+    directions /= np.linalg.norm(directions, axis=1, keepdims=True)
+    weights = np.full(len(directions), 1.0 / len(directions))
+    for last_digit in 1e-15 * np.random.default_rng(1).normal(size=(40, *directions.shape)):
+        turned = aligned(np.eye(3), directions + last_digit, weights)
+        assert turned[0] == pytest.approx(np.sqrt([0.5, 0.5, 0.0]), abs=1e-9)
 
 
 def test_a_map_is_turned_only_where_that_saves_room():
@@ -433,5 +443,9 @@ def test_rays_to_all_sides_alike_have_no_plan():
     room = replace(shape, normals=-shape.normals, faces=shape.faces[:, ::-1]).mesh("mirror", Mirror())
     found = planned(scene_with(room), Camera((0.0, 0.0, 0.0), (1.0, 1.0, 0.0), (0.0, 0.0, 1.0)))
     every, occluder = np.arange(len(room.faces)), np.zeros(len(room.positions), int)
-    assert plan_map(found.body_rays, every, occluder, found.surroundings, Options()) is None
+    random = np.random.default_rng(1)
+    for _ in range(20):
+        last_digit = 1e-15 * random.normal(size=found.body_rays.rays.directions.shape)
+        rays = replace(found.body_rays.rays, directions=found.body_rays.rays.directions + last_digit)
+        assert plan_map(replace(found.body_rays, rays=rays), every, occluder, found.surroundings, Options()) is None
     assert len(found.plans) >= 2 and all(plan is not None for plan in found.plans)

@@ -18,7 +18,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from browser import chromium, needs_chromium
+from browser import PATIENCE, chromium, needs_chromium
 from PIL import Image
 
 import anamorph as an
@@ -78,7 +78,7 @@ class Page:
 
 
 async def until(happened: Callable[[], Any]) -> None:
-    for _ in range(1200):
+    for _ in range(20 * int(PATIENCE)):
         if happened():
             return
         await asyncio.sleep(0.05)
@@ -121,8 +121,7 @@ def test_a_cell_shows_the_viewer_which_follows_the_pointer(monkeypatch):
         await page.picture_like(lambda picture: share_changed(picture, first) > 0.05)
         assert page.threads == {threading.current_thread()}
         widget.close()
-        await asyncio.sleep(0.3)
-        assert widget.get_closed()
+        await until(widget.get_closed)
 
     with ear() as loop:
         asyncio.run(notebook())
@@ -230,6 +229,7 @@ def test_the_widget_tells_of_its_views_takes_two_fingers_and_keeps_its_keys():
 
     with sync_playwright() as playwright, chromium(playwright) as browser:
         page = browser.new_page(viewport={"width": 400, "height": 500}, has_touch=True)
+        page.set_default_timeout(1000 * PATIENCE)
         page.set_content("<div id=one></div><div id=two></div><button>elsewhere</button>")
         page.add_style_tag(content=str(Widget._css))
         page.evaluate(MODEL, str(Widget._esm))

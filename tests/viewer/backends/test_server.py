@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from browser import Served, served
+from browser import PATIENCE, Served, served, wait_until
 from websockets.asyncio.client import connect
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 
@@ -192,7 +192,7 @@ async def next_picture(socket: Any) -> tuple[dict[str, Any], bytes]:
     """What announces a picture, and the picture."""
     announced: dict[str, Any] = {}
     while True:
-        message = await asyncio.wait_for(socket.recv(), 120.0)
+        message = await asyncio.wait_for(socket.recv(), PATIENCE)
         if isinstance(message, bytes):
             return announced, message
         announced = json.loads(message)
@@ -244,10 +244,11 @@ def test_a_page_that_sends_and_confirms_nothing_makes_way_for_the_next(viewer, c
     async def flood() -> None:
         async with opened(viewer, cookie) as flooding, opened(viewer, cookie) as waiting:
             with pytest.raises(ConnectionClosed) as closed:
-                for _ in range(100):
-                    for said in presses * (MOST_WAITING // 8):
-                        await flooding.send(said)
-                    await asyncio.sleep(0.01)
+                async with asyncio.timeout(PATIENCE):
+                    while True:
+                        for said in presses * (MOST_WAITING // 8):
+                            await flooding.send(said)
+                        await asyncio.sleep(0.01)
             assert closed.value.rcvd.code == TRY_AGAIN_LATER
             await waiting.send(resized(300, 120))
             while report(viewer, cookie)["size"] != [300, 120]:
@@ -270,9 +271,12 @@ def test_who_comes_after_a_closed_tab_sees_the_picture_in_its_own_size(viewer, c
 
 
 def test_nothing_is_drawn_while_nobody_looks(viewer, cookie):
-    before = report(viewer, cookie)["frames"]
-    time.sleep(0.5)
-    assert report(viewer, cookie)["frames"] == before
+    def rests() -> bool:
+        before = report(viewer, cookie)["frames"]
+        time.sleep(0.5)
+        return report(viewer, cookie)["frames"] == before
+
+    wait_until(rests, "an end of the drawing")
 
 
 def test_what_is_no_event_ends_nothing(viewer, cookie):

@@ -88,7 +88,7 @@ class Stuck(Line):
     """A connection that takes nothing."""
 
     async def send(self, message: dict[str, Any]) -> None:
-        await asyncio.sleep(1.0)
+        await asyncio.sleep(60.0)
         raise AssertionError("it was waited for")
 
 

@@ -18,6 +18,9 @@ MOST_PATCHES = 32
 MOST_PARTS = 8
 """Into which a patch of a closed body is halved, again and again."""
 
+ALIKE = 1e-6
+"""What differs by less, of directions or of lengths, is alike: vertices are not placed better."""
+
 
 def seen_faces(rays: RayMesh, size: tuple[int, int]) -> np.ndarray:
     """The numbers, (N,), of the faces that may be seen in a picture of `size` (width, height).
@@ -54,18 +57,21 @@ def divide(rays: RayMesh, faces: np.ndarray, widest: float) -> list[np.ndarray]:
         return []
     directions = rays.unit_directions()
     means = _mean_directions(directions, rays.status == RayStatus.OK, rays.faces[faces])
-    first = means.sum(axis=0)
-    nearest = means @ (first / (np.linalg.norm(first) or 1.0))
+    first = means.mean(axis=0)
+    length = np.linalg.norm(first)
+    # Where faces look to all sides alike, no axis is the first.
+    first = first / length if length > ALIKE else np.zeros(3)
+    nearest = means @ first
     if nearest.min() >= np.cos(0.5 * widest):
         return [faces]
     patch = np.zeros(len(faces), int)
-    nearest = np.full(len(faces), -np.inf)
+    start, nearest = _first_of_most(nearest), np.full(len(faces), -np.inf)
     for number in range(MOST_PATCHES):
-        farthest = np.argmin(nearest) if number else np.argmax(means @ first)
+        farthest = _first_of_most(-nearest) if number else start
         if nearest[farthest] >= np.cos(0.5 * widest):
             break
         closeness = means @ means[farthest]
-        patch[closeness > nearest] = number
+        patch[closeness > nearest + ALIKE] = number
         nearest = np.maximum(nearest, closeness)
     return [faces[patch == number] for number in range(patch.max() + 1)]
 
@@ -99,7 +105,7 @@ def part_where_hidden(
         vertices = vertices[rays.status[vertices] == RayStatus.OK]
         middles = rays.origins[rays.faces[part]].mean(axis=1)
         middles = middles - middles.mean(axis=0)
-        along = middles @ np.linalg.eigh(middles.T @ middles)[1][:, -1]
+        along = middles @ longest_extent(middles)
         upper = along > 0.5 * (along.min() + along.max())
         whole = upper.all() or not upper.any() or len(waiting) + len(done) + 2 > MOST_PARTS
         if whole or not len(vertices) or not _hidden(rays, vertices, surroundings, own):
@@ -107,6 +113,18 @@ def part_where_hidden(
         else:
             waiting += [part[upper], part[~upper]]
     return done
+
+
+def _first_of_most(values: np.ndarray) -> int:
+    """The first of those that are as great as any, so that it is no rounding error that tells equals apart."""
+    return int(np.argmax(values >= values.max() - ALIKE))
+
+
+def longest_extent(points: np.ndarray) -> np.ndarray:
+    """The direction (3,) in which points around the origin lie farthest apart; of equals the one nearest to an axis."""
+    values, vectors = np.linalg.eigh(points.T @ points)
+    equals = vectors[:, values >= (1.0 - ALIKE) * values[-1]]
+    return equals[:, 0] if equals.shape[1] == 1 else equals @ equals[_first_of_most(np.linalg.norm(equals, axis=1))]
 
 
 def _hidden(rays: RayMesh, vertices: np.ndarray, surroundings: Surroundings, own: tuple[int, ...]) -> bool:

@@ -39,8 +39,8 @@ WIDEST = 4.0
 NARROWINGS = 4
 """How often the rays that a map cannot hold are left out of its mean direction."""
 
-ALL_AROUND = 1e-9
-"""The mean of unit directions is rounding alone if it is shorter than this: they go to all sides alike."""
+ALL_AROUND = 1e-6
+"""Unit directions go to all sides alike if their mean is shorter than this: vertices are not placed better."""
 
 EDGE_MARGIN = 1.0
 """By how much of the fan of converging rays a hit near their crossing may lie outside it."""
@@ -136,11 +136,12 @@ def plan_map(
     if not facing.any():
         return None
     directions = rays.unit_directions()
-    weights = _narrowed(pixel_weights(rays, facing), directions[facing])
+    weights = pixel_weights(rays, facing)
     if np.linalg.norm(weights @ directions[facing]) < ALL_AROUND:
         return None
+    weights = _narrowed(weights, directions[facing])
     viewpoint, frame = _map_frame(rays.origins[facing], directions[facing], weights, options.align)
-    normal = _near_normal(weights, outward[facing], directions[facing], frame)
+    normal = near_normal(weights, outward[facing], directions[facing], frame)
     own, mounting = body_rays.side.objects, surroundings.mountings[body_rays.side]
     past, top = past_frame(
         rays, directions, np.where(np.isin(occluder, own), 0, occluder), facing, normal, surroundings
@@ -263,7 +264,7 @@ def _map_frame(
     right /= np.linalg.norm(right)
     axes = np.stack([right, np.cross(right, forward), forward])
     if align:
-        axes = _aligned(axes, directions, weights)
+        axes = aligned(axes, directions, weights)
     middle = origins.mean(axis=0)
     radius = float(np.linalg.norm(origins - middle, axis=1).max()) or 1.0
     viewpoint = virtual_viewpoint(origins, directions, weights)
@@ -273,7 +274,7 @@ def _map_frame(
     return viewpoint, map_frame(viewpoint, middle + side * radius * forward, axes)
 
 
-def _aligned(axes: np.ndarray, directions: np.ndarray, weights: np.ndarray) -> np.ndarray:
+def aligned(axes: np.ndarray, directions: np.ndarray, weights: np.ndarray) -> np.ndarray:
     """The axes turned by up to 45 degrees, to the principal directions of the rays' slopes (4.3).
 
     They stay where that does not make the rectangle around the slopes smaller.
@@ -287,7 +288,8 @@ def _aligned(axes: np.ndarray, directions: np.ndarray, weights: np.ndarray) -> n
     if values[1] <= ROUND**2 * values[0]:
         return axes
     angle = np.arctan2(vectors[1, 1], vectors[0, 1])
-    angle -= 0.5 * np.pi * np.rint(angle / (0.5 * np.pi))
+    # Half a quarter turn, of a square on its corner, is one way on every processor.
+    angle -= 0.5 * np.pi * np.rint(angle / (0.5 * np.pi) - 5e-10)
     cosine, sine = np.cos(angle), np.sin(angle)
     counted = slopes[shares > 0.0]
     turned = counted @ np.array([[cosine, -sine], [sine, cosine]])
@@ -296,7 +298,7 @@ def _aligned(axes: np.ndarray, directions: np.ndarray, weights: np.ndarray) -> n
     return np.stack([cosine * axes[0] + sine * axes[1], cosine * axes[1] - sine * axes[0], axes[2]])
 
 
-def _near_normal(weights: np.ndarray, normals: np.ndarray, directions: np.ndarray, frame: MapFrame) -> np.ndarray:
+def near_normal(weights: np.ndarray, normals: np.ndarray, directions: np.ndarray, frame: MapFrame) -> np.ndarray:
     """Where the near plane faces: as the mirror does, or across the view where the mirror bends rays behind itself."""
     normal = weights @ normals
     ahead = (directions[weights > 0.0] @ normal).min() > 0.0

@@ -6,10 +6,10 @@ by its own ray what it sees. A shader that is not listed has the name of its mod
 | chapter of the thesis | what | module |
 | --- | --- | --- |
 | 6, 7.2, 7.3 | ray triangles: a camera's, or those of mirrors and lenses as the eye sees them | `ray_triangles` |
-| 2 | a pixel's ray, as polynomials of the image; the part of the image that is a ray triangle's own | `beams`, `domains` |
+| 2 | a pixel's ray, as polynomials of the image; each ray triangle's own part of it | `beams`, `domains` |
 | 3.1 to 3.6 | where a ray triangle sees a point: the cubic and its roots | `raytriangle` |
 | 3.7 | which scene triangles a ray triangle may see | `box_tree`, `plan` |
-| not in it | which of them it sees, as polynomials; in which pieces of the image | `pairs`, `terms`; `pieces`, `polygons` |
+| not in it | which of them it sees, and in which pieces of the image | `pairs`, `terms`, `pieces`, `polygons` |
 | not in it | which pixels see a pair; the nearest pair of each pixel | `inside`, `pixels`; `visibility` |
 | 4, 5 | in place of these two: straight lines between projected corners | `straight` |
 | 7.2.3 | rays that go on from a mirror seen in a mirror | `samples`, `following` |

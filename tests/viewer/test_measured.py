@@ -14,7 +14,7 @@ from anamorph.base.errors import AnamorphError
 from anamorph.base.srgb import decode_srgb, encode_srgb
 from anamorph.frame import Frame, Status
 from anamorph.measure.errors import ErrorMaps
-from anamorph.measure.heatmap import MILLIRADIANS, PIXELS, VIRIDIS, Scale, faint, heat_layer, heat_map, scale_colors
+from anamorph.measure.heatmap import MILLIRADIANS, PIXELS, VIRIDIS, Scale, faint, heat_colors, heat_map, scale_colors
 from anamorph.viewer.measured import (
     ERROR_MARKS,
     OTHER_OBJECT,
@@ -43,7 +43,7 @@ def stop(number: int) -> tuple[int, ...]:
 def test_known_errors_have_known_colours(scale: Scale) -> None:
     middle = np.sqrt(scale.lowest * scale.highest)
     errors = np.array([[0.0, scale.lowest, middle, scale.highest, 1e30]])
-    layer = heat_layer(maps_of(errors), np.zeros((1, 5, 3), np.float32), scale)
+    layer = heat_colors(maps_of(errors), np.zeros((1, 5, 3), np.float32), scale)
     expected = [(*stop(number), 255) for number in (0, 0, 4, 8, 8)]
     assert np.abs(layer[0].astype(int) - expected).max() <= 1
 
@@ -52,22 +52,22 @@ def test_known_errors_have_known_colours(scale: Scale) -> None:
 @given(st.floats(0.0, 1e38), st.sampled_from(SCALES))
 def test_the_table_of_colours_is_as_good_as_logarithms(error: float, scale: Scale) -> None:
     errors = np.array([[error]])
-    layer = heat_layer(maps_of(errors), np.zeros((1, 1, 3), np.float32), scale)
+    layer = heat_colors(maps_of(errors), np.zeros((1, 1, 3), np.float32), scale)
     assert np.abs(layer[..., :3].astype(int) - scale_colors(errors, scale)).max() <= 1
 
 
 def test_what_is_no_number_has_the_colour_of_the_worst() -> None:
     errors = np.array([[np.nan, -np.nan, np.inf, 3e38]])
-    layer = heat_layer(maps_of(errors), np.full((1, 4, 3), np.nan, np.float32))
+    layer = heat_colors(maps_of(errors), np.full((1, 4, 3), np.nan, np.float32))
     assert (layer == (*stop(8), 255)).all()
 
 
 def test_each_unit_shows_its_own_map() -> None:
     maps = replace(maps_of(np.array([[1000.0]])), pixels=np.array([[0.0]]))
     color = np.zeros((1, 1, 3), np.float32)
-    assert tuple(heat_layer(maps, color, MILLIRADIANS)[0, 0, :3]) == stop(8)
-    assert tuple(heat_layer(maps, color, PIXELS)[0, 0, :3]) == stop(0)
-    assert np.array_equal(heat_map(maps, color), heat_layer(maps, color)[..., :3])
+    assert tuple(heat_colors(maps, color, MILLIRADIANS)[0, 0, :3]) == stop(8)
+    assert tuple(heat_colors(maps, color, PIXELS)[0, 0, :3]) == stop(0)
+    assert np.array_equal(heat_map(maps, color), heat_colors(maps, color)[..., :3])
 
 
 @settings(max_examples=60)

@@ -1,4 +1,4 @@
-"""Telling how long work is getting on: on a terminal only, and on stderr, so that results can be piped."""
+"""A bar that shows how far long work is: on a terminal only, and on stderr, so that results can be piped."""
 
 from __future__ import annotations
 
@@ -11,13 +11,13 @@ from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 
 from anamorph.base.interrupt import on_interrupt
 
-Tell = Callable[[int, int, str], None]
-"""Told the steps done, their number, and what is being done now."""
+Report = Callable[[int, int, str], None]
+"""Hears the steps done, their number, and what is being done now."""
 
 
 @contextmanager
-def progress_bar(what: str) -> Iterator[Tell]:
-    """A bar that is gone when the block ends; it moves to and fro until it is first told how far the work is."""
+def progress_bar(what: str) -> Iterator[Report]:
+    """A bar that is gone when the block ends; it moves to and fro until it first hears how far the work is."""
     console = Console(stderr=True)
     if not console.is_terminal:
         yield lambda done, total, what: None

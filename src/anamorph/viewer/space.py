@@ -24,7 +24,7 @@ from anamorph.scene.model import Scene
 from anamorph.viewer.facts import Inspection
 from anamorph.viewer.marks import NO_MARKS, Marks, between, dot_marks, joined, line_marks
 from anamorph.viewer.state import Drawing, State
-from anamorph.viewer.wires import Wires, wires_of
+from anamorph.viewer.wireframe import Wireframe, wireframe_of
 
 MOST_HITS, MOST_RAYS = 400, 100
 """Of one body that are drawn: more cannot be told apart."""
@@ -81,9 +81,9 @@ class Space:
         return surroundings_of(self.geometry, self.bodies)
 
     @cached_property
-    def wires(self) -> Wires:
+    def wireframe(self) -> Wireframe:
         """The edges of mirrors and lenses."""
-        return wires_of(self.scene)
+        return wireframe_of(self.scene)
 
 
 def space_marks(
@@ -114,7 +114,7 @@ def space_marks(
     if Drawing.VIEWPOINT in state.drawings:
         parts += [viewpoint_marks(each, space.surroundings.diagonal) for each in seen]
     if Drawing.WIREFRAME in state.drawings:
-        parts.append(wire_marks(space.wires, shown, size))
+        parts.append(wireframe_marks(space.wireframe, shown, size))
     if Drawing.HITS in state.drawings:
         eye = looking if state.observer else None
         parts += [hit_marks(each, space.surroundings.diagonal, eye) for each in seen]
@@ -125,16 +125,16 @@ def space_marks(
     return joined(parts)
 
 
-def wire_marks(wires: Wires, shown: Camera, size: tuple[int, int]) -> Marks:
+def wireframe_marks(wireframe: Wireframe, shown: Camera, size: tuple[int, int]) -> Marks:
     """The edges of mirrors and lenses, fainter where they are short or seen from behind in a picture of `size`."""
     eye = np.asarray(shown.position, np.float32)
-    distance = np.linalg.norm(wires.ends[:, 0] - eye, axis=1)
+    distance = np.linalg.norm(wireframe.ends[:, 0] - eye, axis=1)
     pixel = 2.0 * np.tan(np.radians(shown.field_of_view) / 2.0) / size[1]
-    long = wires.lengths >= LONG_WIRE * pixel * distance
+    long = wireframe.lengths >= LONG_WIRE * pixel * distance
     alpha = np.ones(len(long))
-    alpha[~long] = np.maximum(wires.lengths[~long] / (LONG_WIRE * pixel * distance[~long]), LEAST_ALPHA)
-    alpha[~wires.facing(eye)] *= HIDDEN_ALPHA
-    return line_marks(wires.ends, np.column_stack([np.tile(WIRE[:3], (len(alpha), 1)), WIRE[3] * alpha]), 1.2)
+    alpha[~long] = np.maximum(wireframe.lengths[~long] / (LONG_WIRE * pixel * distance[~long]), LEAST_ALPHA)
+    alpha[~wireframe.facing(eye)] *= HIDDEN_ALPHA
+    return line_marks(wireframe.ends, np.column_stack([np.tile(WIRE[:3], (len(alpha), 1)), WIRE[3] * alpha]), 1.2)
 
 
 def hit_marks(seen: Seen, diagonal: float, eye: Camera | None = None) -> Marks:

@@ -16,14 +16,14 @@ from anamorph.frame import Frame, Status
 from anamorph.measure.errors import ErrorMaps
 from anamorph.measure.heatmap import MILLIRADIANS, PIXELS, VIRIDIS, Scale, faint, heat_colors, heat_map, scale_colors
 from anamorph.viewer.measured import (
-    ERROR_MARKS,
+    ERROR_COLORS,
     OTHER_OBJECT,
     SILHOUETTE,
     STATUS_COLORS,
-    error_layer,
+    error_colors,
     measure_half,
     scale_ticks,
-    status_layer,
+    status_colors,
 )
 
 SCALES = (MILLIRADIANS, PIXELS)
@@ -89,12 +89,12 @@ def test_silhouettes_and_other_objects_are_marked_and_the_rest_is_the_picture() 
     frame = replace(truth, object_id=objects, position=truth.position + np.float32([0.02, 0.0, 0.0]))
     measured = measure_half(truth, frame)
     for unit in ("mrad", "px"):
-        layer = error_layer(measured, unit)[..., :3]
+        layer = error_colors(measured, unit)[..., :3]
         assert (layer[10:, 23:25] == SILHOUETTE).all()
         assert (layer[20, 5] == OTHER_OBJECT).all()
         assert np.array_equal(layer[:7], faint(truth.color)[:7, :, :3])
         assert np.ptp(layer[21:, :20].astype(int), axis=-1).min() > 0
-    assert set(ERROR_MARKS.values()) == {SILHOUETTE, OTHER_OBJECT}
+    assert set(ERROR_COLORS.values()) == {SILHOUETTE, OTHER_OBJECT}
 
 
 def test_a_half_is_told_in_figures() -> None:
@@ -113,14 +113,14 @@ def test_a_picture_without_mirrors_has_layers_and_no_figures() -> None:
     truth.specular[:] = 0
     measured = measure_half(truth, truth)
     assert measured.figures.angular_mrad.max is measured.figures.other_object_percent is None
-    assert np.array_equal(error_layer(measured, "px"), faint(truth.color))
+    assert np.array_equal(error_colors(measured, "px"), faint(truth.color))
 
 
 @pytest.mark.parametrize("status", Status)
 def test_every_status_has_its_colour(status: Status) -> None:
     truth = plane_truth()
     truth.status[:] = status
-    layer = status_layer(truth)
+    layer = status_colors(truth)
     if status is Status.DIRECT:
         assert np.array_equal(layer, faint(truth.color))
         assert np.abs(layer[..., :3].astype(int) - STATUS_COLORS[status]).max() <= 40
@@ -132,10 +132,10 @@ def test_the_sky_beside_a_mirror_is_seen_directly_but_not_through_a_ray_mesh() -
     truth = plane_truth()
     truth.status[:] = Status.SKY
     truth.specular[:16] = 0
-    layer = status_layer(truth)
+    layer = status_colors(truth)
     assert np.array_equal(layer[:16], faint(truth.color)[:16])
     assert (layer[16:, :, :3] == STATUS_COLORS[Status.SKY]).all()
-    assert (status_layer(replace(truth, ray_mesh=True))[..., :3] == STATUS_COLORS[Status.SKY]).all()
+    assert (status_colors(replace(truth, ray_mesh=True))[..., :3] == STATUS_COLORS[Status.SKY]).all()
 
 
 def test_ticks_stand_where_their_colours_do() -> None:
@@ -151,9 +151,9 @@ def test_ticks_stand_where_their_colours_do() -> None:
 def test_what_cannot_be_shown_is_named() -> None:
     truth = plane_truth()
     with pytest.raises(AnamorphError, match="'furlong'; give mrad or px"):
-        error_layer(measure_half(truth, truth), "furlong")
+        error_colors(measure_half(truth, truth), "furlong")
     with pytest.raises(AnamorphError, match=r"'status' buffer.*seen=True"):
-        status_layer(Frame(truth.color))
+        status_colors(Frame(truth.color))
 
 
 EYES = {
@@ -194,6 +194,6 @@ def test_all_eyes_tell_the_colours_apart(eye: str) -> None:
     assert least_difference(statuses, statuses, EYES[eye]) > 20.0
     assert least_difference(statuses, greys, EYES[eye]) > 20.0
     heat = scale_colors(np.geomspace(MILLIRADIANS.lowest, MILLIRADIANS.highest, 200)).astype(float)
-    marks = np.array([*ERROR_MARKS.values()], float)
+    marks = np.array([*ERROR_COLORS.values()], float)
     for others in (heat, greys, marks):
         assert least_difference(marks, others, EYES[eye]) > 20.0

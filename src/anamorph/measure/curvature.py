@@ -22,7 +22,7 @@ SHARES = (1.0 / 3.0, 1.0 / 2.0, 2.0 / 3.0)
 
 @dataclass(frozen=True, eq=False)
 class MirrorRadii:
-    """Radii in metres, negative for a hollow mirror.
+    """Radii in metres, negative for a concave mirror.
 
     Parameters
     ----------
@@ -49,7 +49,7 @@ class MirrorRadii:
 
 
 def principal_radii(mesh: Mesh) -> np.ndarray:
-    """Both principal radii at every vertex, (V, 2) float64, metres; infinite where flat, negative where hollow."""
+    """Both principal radii at every vertex, (V, 2) float64, metres; infinite where flat, negative where concave."""
     surface, parameters = _nurbs(mesh)
     with np.errstate(divide="ignore"):
         return 1.0 / surface.curvatures(parameters)

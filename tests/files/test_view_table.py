@@ -26,7 +26,7 @@ from anamorph.scene.camera import Camera
 from anamorph.scene.model import Scene
 from anamorph.viewer.controls import edited, part_edits, scene_controls
 from anamorph.viewer.saving import save_scene
-from anamorph.viewer.state import Drawing, EyeSide, Half, Aspect, State, looking_into
+from anamorph.viewer.state import Aspect, Drawing, EyeSide, Half, State, with_picked
 from anamorph.viewer.view_table import state_of, values_of, view_of
 
 SIZE = (640, 480)
@@ -47,7 +47,7 @@ def cameras(draw: st.DrawFn) -> Camera:
 
 def looked(state: State, picked: tuple[float, float] | None, outside: bool) -> State:
     """Looked into by who looks, or by the eye alone."""
-    return looking_into(state, picked) if outside else replace(state, picked=picked)
+    return with_picked(state, picked) if outside else replace(state, picked=picked)
 
 
 states = st.builds(

@@ -229,9 +229,9 @@ def test_every_picture_is_a_png_with_words_and_every_table_cell_has_a_header(com
     assert len(images) == 2 * 3 + 3
     for image in images:
         assert image["alt"]
-        with Image.open(io.BytesIO(base64.b64decode(image["src"].removeprefix("data:image/png;base64,")))) as picture:
-            assert picture.format == "PNG"
-            assert (str(picture.width), str(picture.height)) == (image["width"], image["height"])
+        with Image.open(io.BytesIO(base64.b64decode(image["src"].removeprefix("data:image/png;base64,")))) as decoded:
+            assert decoded.format == "PNG"
+            assert (str(decoded.width), str(decoded.height)) == (image["width"], image["height"])
     scopes = [attributes.get("scope") for tag, attributes in page.tags if tag == "th"]
     assert scopes.count("col") == 3
     assert scopes.count("row") == len(rows_of(comparison))

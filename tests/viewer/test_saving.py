@@ -79,7 +79,7 @@ def figures(comparison: Comparison) -> dict:
 def test_a_comparison_in_steps_is_the_comparison():
     scene, _ = open_scene("flat-mirror")
     told: list[tuple[int, int, str]] = []
-    at_once = compare(scene, ["environment"], SIZE, frames=2, progress=lambda *step: told.append(step))
+    at_once = compare(scene, ["environment"], SIZE, frames=2, report=lambda *step: told.append(step))
     steps = comparison_steps(scene, ["environment"], SIZE, frames=2)
     yielded = []
     while True:

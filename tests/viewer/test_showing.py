@@ -83,30 +83,30 @@ def settle(showing: Showing) -> None:
 
 
 @given(st.lists(st.floats(0.1, 1e5), max_size=60))
-def test_the_scale_stays_among_the_scales_and_follows_the_times(times: list[float]) -> None:
+def test_the_resolution_stays_among_the_resolutions_and_follows_the_times(times: list[float]) -> None:
     fluency = Fluency()
     for milliseconds in times:
         after = fluency.after(milliseconds)
-        assert 0 <= after.level < len(RESOLUTIONS)
-        assert after.level <= fluency.level or milliseconds > SLOWEST
-        assert after.level >= fluency.level or milliseconds < SLOWEST
+        assert 0 <= after.number < len(RESOLUTIONS)
+        assert after.number <= fluency.number or milliseconds > SLOWEST
+        assert after.number >= fluency.number or milliseconds < SLOWEST
         fluency = after
 
 
 def test_one_slow_frame_is_forgiven_and_the_second_is_not() -> None:
     once = Fluency().after(2 * SLOWEST)
-    assert once.scale == 1.0
-    assert once.after(2 * SLOWEST).scale == 0.5
-    assert once.after(0.9 * SLOWEST).after(2 * SLOWEST).scale == 1.0
+    assert once.resolution == 1.0
+    assert once.after(2 * SLOWEST).resolution == 0.5
+    assert once.after(0.9 * SLOWEST).after(2 * SLOWEST).resolution == 1.0
     slowest = Fluency()
     for _ in range(PATIENCE):
         slowest = slowest.after(1000 * SLOWEST)
-    assert slowest.scale == RESOLUTIONS[-1]
+    assert slowest.resolution == RESOLUTIONS[-1]
 
 
 def test_a_finer_picture_is_tried_only_where_it_should_be_fast_enough() -> None:
-    assert Fluency(2).after(0.3 * SLOWEST).level == 1
-    assert Fluency(2).after(0.5 * SLOWEST).level == 2
+    assert Fluency(2).after(0.3 * SLOWEST).number == 1
+    assert Fluency(2).after(0.5 * SLOWEST).number == 2
 
 
 @given(st.integers(1, 4000), st.integers(1, 4000), st.sampled_from(RESOLUTIONS))

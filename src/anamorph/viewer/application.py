@@ -22,13 +22,13 @@ from anamorph.viewer.canvas import DeviceCanvas
 from anamorph.viewer.controls import edited
 from anamorph.viewer.facts import Facts, Request
 from anamorph.viewer.failures import failure_text
-from anamorph.viewer.gestures import NO_GRIP, counted_from, cursor, handle
 from anamorph.viewer.home import Home
 from anamorph.viewer.inspector import Inspector
 from anamorph.viewer.job import Job
 from anamorph.viewer.layout import in_pixels, inside, picture_area
 from anamorph.viewer.marks import NO_MARKS
 from anamorph.viewer.panel.panel import Drawn, draw_panel
+from anamorph.viewer.pointer import Pointer
 from anamorph.viewer.shortcuts import press
 from anamorph.viewer.showing import Showing
 from anamorph.viewer.snapshot import snapshot
@@ -94,8 +94,7 @@ class Viewer:
             canvas.add_event_handler(handler, *types)
         self.frames = 0
         self._settling = SETTLING
-        self._pressed_at = 0.0
-        self._cursor = "default"
+        self._pointer = Pointer()
         self._closed = False
         self._begin(start, start.state)
         canvas.request_draw(self._draw)
@@ -114,7 +113,7 @@ class Viewer:
         self._home = Home(start.state, start.opened.scene)
         self._scene = start.opened.scene
         self._values: object = {}
-        self._grip = NO_GRIP
+        self._pointer.let_go()
         self._drawn: Drawn | None = None
         self._asked: tuple[str, int] | None = None
         self._let_go()
@@ -166,11 +165,7 @@ class Viewer:
         self.close()
 
     def _on_pointer(self, event: dict[str, Any]) -> None:
-        if event["event_type"] in ("pointer_down", "pointer_up"):
-            # Of a release too: a page that takes over begins with one, and every page has a clock of its own.
-            self._pressed_at = event.get("time_stamp", 0.0)
-        elif event.get("time_stamp", 0.0) < self._pressed_at and event["event_type"] == "pointer_move":
-            # A page holds moves back for a while, and sends presses at once.
+        if self._pointer.is_late(event):
             return
         self._take(event)
         follows = event["event_type"] in ("pointer_move", "pointer_up")
@@ -181,15 +176,9 @@ class Viewer:
             self._later(TIP_DELAY, self.refresh)
         if over_panel and not follows:
             return
-        left, top, right, bottom = self._area
-        size = right - left, bottom - top
-        within = counted_from(event, left, top)
-        self._grip, self.state = handle(within, self._grip, self.state, size, self._home)
-        shape = cursor(within, self.state, size, self._grip)
-        if shape != self._cursor:
-            # Each is a message to every page: the slow ones' would pile up.
-            self._cursor = shape
-            self._canvas.set_cursor(shape)
+        self.state, cursor = self._pointer.handle(event, self.state, self._area, self._home)
+        if cursor is not None:
+            self._canvas.set_cursor(cursor)
 
     def _on_key(self, event: dict[str, Any]) -> None:
         self._take(event)

@@ -19,7 +19,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests"))
 from viewer_hand import Hand
 
 from anamorph.base.output import whole_file
-from anamorph.viewer.starting import start
+from anamorph.viewer.starting import start_of
 
 PICTURES = Path(__file__).resolve().parent / "pictures" / "viewer"
 NOTCH = 100.0
@@ -86,7 +86,7 @@ def press(hand: Hand, *names: str) -> None:
 
 def set_slider(hand: Hand, key: str, share: float) -> None:
     """Scroll the panel until a slider is in sight, and press it at a share of its width."""
-    left, top, right, bottom = hand.viewer.report()["rectangles"]["panel/body"]
+    left, top, right, bottom = hand.viewer.snapshot()["rectangles"]["panel/body"]
     while not top < (y := hand.widget(key)[1]) < bottom:
         hand.send("wheel", x=right - 4.0, y=(top + bottom) / 2.0, dx=0.0, dy=float(np.copysign(NOTCH, y - top)))
         hand.draw(2)
@@ -99,7 +99,7 @@ def set_slider(hand: Hand, key: str, share: float) -> None:
 def shot(name: str, size: tuple[int, int]) -> np.ndarray:
     """The whole canvas at rest, once its hand has done what it does, (H, W, 3) uint8."""
     scene, method, act = SHOTS[name]
-    hand = Hand(start(scene, method), size)
+    hand = Hand(start_of(scene, method), size)
     try:
         hand.settle()
         act(hand)

@@ -113,8 +113,8 @@ class Tab:
     def wait_for_picture(self) -> None:
         self.page.wait_for_selector("img[src^='blob:']")
 
-    def report(self) -> dict[str, Any]:
-        return self.page.context.request.get(f"{self._address}report.json").json()
+    def snapshot(self) -> dict[str, Any]:
+        return self.page.context.request.get(f"{self._address}snapshot.json").json()
 
     def wait_until(
         self, predicate: Callable[[dict[str, Any]], Any], what: str = "what was waited for"
@@ -122,8 +122,8 @@ class Tab:
         """The first report for which `predicate` is true."""
 
         def look() -> dict[str, Any] | None:
-            report = self.report()
-            return report if predicate(report) else None
+            snapshot = self.snapshot()
+            return snapshot if predicate(snapshot) else None
 
         return wait_until(look, what)
 
@@ -135,7 +135,7 @@ class Tab:
         """Of a widget, by its name in the report, once it stays where it is."""
 
         def place() -> Any:
-            return self.report()["rectangles"].get(name)
+            return self.snapshot()["rectangles"].get(name)
 
         def settled() -> Any:
             before = place()
@@ -168,8 +168,8 @@ class Tab:
         self.page.touchscreen.tap(x, y)
 
     def _drawn_again(self) -> None:
-        frames = self.report()["frames"]
-        self.wait_until(lambda report: report["frames"] > frames + 1, "another picture")
+        frames = self.snapshot()["frames"]
+        self.wait_until(lambda snapshot: snapshot["frames"] > frames + 1, "another picture")
 
 
 @contextmanager

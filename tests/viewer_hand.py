@@ -38,11 +38,11 @@ class Hand:
             self.shown = np.asarray(self.canvas.draw())[..., :3].copy()
         return self.shown
 
-    def settle(self, done: Callable[[dict[str, Any]], Any] = lambda report: report["at_rest"]) -> np.ndarray:
+    def settle(self, done: Callable[[dict[str, Any]], Any] = lambda snapshot: snapshot["at_rest"]) -> np.ndarray:
         """The canvas once the report says that something has happened, or that nothing is left to refine."""
         for _ in range(PATIENCE):
             self.draw()
-            if done(self.viewer.report()):
+            if done(self.viewer.snapshot()):
                 return self.draw(4)
         raise AssertionError("it did not happen")
 
@@ -67,7 +67,7 @@ class Hand:
         return left + x * (right - left), top + y * (bottom - top)
 
     def widget(self, key: str, share: float = 0.5) -> tuple[float, float]:
-        left, top, right, bottom = self.viewer.report()["rectangles"][key]
+        left, top, right, bottom = self.viewer.snapshot()["rectangles"][key]
         return left + share * (right - left), (top + bottom) / 2.0
 
     def click(self, x: float, y: float) -> None:

@@ -115,13 +115,13 @@ def shown(browser: Any, folder: Path, scene: str, size: tuple[int, int]) -> Iter
 
 def measure_rate(tab: Tab, what: str, seconds: float = 10.0) -> None:
     """Pictures a second that arrive, each other than the one before, while the eye moves all the time."""
-    tab.wait_until(lambda report: report["at_rest"], "rest")
+    tab.wait_until(lambda snapshot: snapshot["at_rest"], "rest")
     size = tab.page.viewport_size
     x, y = size["width"] / 2.0, size["height"] / 2.0
     tab.page.mouse.move(x, y)
     tab.page.mouse.down()
     arrivals = np.array(tab.page.evaluate(CIRCLE, [x, y, 1000.0 * seconds]))
-    drawn = tab.report()["picture"]
+    drawn = tab.snapshot()["picture"]
     tab.page.mouse.up()
     gaps = np.diff(arrivals[arrivals > arrivals[0] + 1000.0])
     print(
@@ -133,15 +133,15 @@ def measure_rate(tab: Tab, what: str, seconds: float = 10.0) -> None:
 def measure_delay(tab: Tab, times: int = 20) -> None:
     """From the pointer's move on a slider to the first picture that shows it."""
     delays = []
-    shown = tab.wait_until(lambda report: "mirror/swivel" in report["rectangles"], "the panel")
+    shown = tab.wait_until(lambda snapshot: "mirror/swivel" in snapshot["rectangles"], "the panel")
     left, top, right, bottom = shown["rectangles"]["mirror/swivel"]
     for number in range(times):
-        tab.wait_until(lambda report: report["at_rest"], "rest")
+        tab.wait_until(lambda snapshot: snapshot["at_rest"], "rest")
         middle, y = (left + right) / 2.0, (top + bottom) / 2.0
         tab.page.mouse.move(middle, y)
         tab.page.mouse.down()
         tab.page.wait_for_timeout(300)
-        tab.wait_until(lambda report: report["at_rest"], "rest")
+        tab.wait_until(lambda snapshot: snapshot["at_rest"], "rest")
         tab.page.wait_for_timeout(700)
         tab.page.evaluate("window.changed = null")
         tab.page.mouse.move(middle + (8 if number % 2 else -8), y)
@@ -161,7 +161,7 @@ def use(tab: Tab, viewer: Served, minutes: float) -> None:
             tab.page.set_viewport_size(size)
             tab.key("Escape")
             tab.key("Shift+R")
-            frames = tab.wait_until(lambda report: report["at_rest"], "rest")["frames"]
+            frames = tab.wait_until(lambda snapshot: snapshot["at_rest"], "rest")["frames"]
             print(f"{passed / 60.0:5.1f} min: {memory(viewer.process.pid):7.1f} MiB, {frames} frames", flush=True)
             said += 60.0
         act(tab, chance)
@@ -208,7 +208,7 @@ def act(tab: Tab, chance: random.Random) -> None:
 
 def seen_widgets(tab: Tab) -> dict[str, tuple[float, float]]:
     """The middles of the panel's widgets that are not scrolled away."""
-    found = tab.report()["rectangles"]
+    found = tab.snapshot()["rectangles"]
     if "panel/body" not in found:
         return {}
     top, bottom = found["panel/body"][1], found["panel/body"][3]

@@ -17,7 +17,7 @@ from anamorph.bench.deforming import COMPETITORS, DEFAULT, DeformingTimes, Phase
 from anamorph.cli import commands as cli
 from anamorph.gallery.deforming import deformed
 from anamorph.gallery.swell import deform
-from anamorph.measure.timing import Timing
+from anamorph.measure.frame_times import Timing
 from anamorph.methods import METHODS, parse
 from anamorph.scene.camera import Camera
 from anamorph.scene.geometry import flatten

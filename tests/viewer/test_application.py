@@ -31,14 +31,14 @@ from anamorph.viewer import application
 from anamorph.viewer.application import SETTLING
 from anamorph.viewer.marks import NO_MARKS, Marks
 from anamorph.viewer.space import Space
-from anamorph.viewer.starting import start
-from anamorph.viewer.state import Drawing, EyeSide, Half, Layer, State
+from anamorph.viewer.starting import start_of
+from anamorph.viewer.state import Aspect, Drawing, EyeSide, Half, State
 
 
 @pytest.fixture
 def hand(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Hand]:
     monkeypatch.chdir(tmp_path)
-    hand = Hand(start("flat-mirror"))
+    hand = Hand(start_of("flat-mirror"))
     yield hand
     hand.close()
 
@@ -81,22 +81,22 @@ def test_a_drag_moves_the_eye_and_a_click_does_not(hand: Hand) -> None:
 
 def test_clicks_that_come_all_at_once_are_all_taken_in(hand: Hand) -> None:
     hand.settle()
-    for layer in ("status", "error", "picture", "status", "error"):
-        x, y = hand.widget(f"first/layer/{layer}")
+    for aspect in ("status", "error", "picture", "status", "error"):
+        x, y = hand.widget(f"first/aspect/{aspect}")
         for kind in ("pointer_move", "pointer_down", "pointer_up"):
             hand.canvas.submit_event({"event_type": kind, "x": x, "y": y, "button": 1, "buttons": (), "modifiers": ()})
     hand.canvas._process_events()
     hand.draw()
     asked = hand.viewer._settling
     hand.draw(asked)
-    assert asked >= 10 and hand.viewer.state.first.layer is Layer.ERROR
+    assert asked >= 10 and hand.viewer.state.first.aspect is Aspect.ERROR
 
 
 def test_the_eye_goes_back_to_where_a_saved_view_has_it(hand: Hand, tmp_path: Path) -> None:
     hand.drag(hand.place(0.6, 0.6), hand.place(0.7, 0.6))
     hand.key("s", "Control")
-    hand.settle(lambda report: (tmp_path / "flat-mirror-1.toml").exists())
-    saved = Hand(start(tmp_path / "flat-mirror-1.toml"), (560, 900))
+    hand.settle(lambda snapshot: (tmp_path / "flat-mirror-1.toml").exists())
+    saved = Hand(start_of(tmp_path / "flat-mirror-1.toml"), (560, 900))
     saved.drag(saved.place(0.5, 0.5), saved.place(0.6, 0.6))
     assert saved.viewer.state.camera != hand.viewer.state.camera
     saved.click(*saved.widget("eye/reset"))
@@ -180,7 +180,7 @@ def test_halves_are_compared_across_a_divider_that_is_dragged(hand: Hand) -> Non
 def test_keys_show_layers_eyes_and_what_is_in_space(hand: Hand) -> None:
     plain = picture_of(hand.settle(), hand)
     hand.key("2")
-    assert hand.viewer.state.first.layer is Layer.ERROR
+    assert hand.viewer.state.first.aspect is Aspect.ERROR
     error = picture_of(hand.settle(), hand)
     assert (np.abs(error.astype(int) - plain).max(axis=-1) > 20).mean() > 0.3
     hand.key("1")
@@ -200,38 +200,38 @@ def test_a_click_tells_what_is_seen_there_and_draws_its_path(hand: Hand) -> None
     plain = hand.settle()
     mirror = np.argwhere(an.render("flat-mirror", size=(284, 276), seen=True).specular != 0).mean(axis=0)
     hand.click(*hand.place(mirror[1] / 284, mirror[0] / 276))
-    looked = hand.settle(lambda report: report["inspection"] and report["at_rest"])
-    seen = hand.viewer.report()["inspection"]
+    looked = hand.settle(lambda snapshot: snapshot["inspection"] and snapshot["at_rest"])
+    seen = hand.viewer.snapshot()["inspection"]
     assert [stop["name"] for stop in seen["path"]][:2] == ["eye", "mirror"] and len(seen["path"]) >= 3
     assert seen["seen"] == seen["truth"] and seen["angular_mrad"] < 0.5
     assert not np.array_equal(looked, plain)
     # From outside, the path that the eye has looked into stays.
     hand.key("o")
     hand.settle()
-    assert hand.viewer.report()["inspection"] == seen
+    assert hand.viewer.snapshot()["inspection"] == seen
     # And it follows the mirror that it meets.
     hand.viewer.state = replace(hand.viewer.state, values={"mirror/swivel": 5.0})
     hand.viewer.refresh()
     hand.settle()
-    path = hand.viewer.report()["inspection"]["path"]
+    path = hand.viewer.snapshot()["inspection"]["path"]
     assert path[0] == seen["path"][0] and path[-1] != seen["path"][-1]
     hand.key("o")
     hand.settle()
     hand.key("Escape")
     hand.settle()
-    assert hand.viewer.report()["inspection"] is None
+    assert hand.viewer.snapshot()["inspection"] is None
 
 
 def test_the_report_is_plain_data(hand: Hand) -> None:
     hand.settle()
-    told = json.loads(json.dumps(hand.viewer.report(), allow_nan=False))
+    told = json.loads(json.dumps(hand.viewer.snapshot(), allow_nan=False))
     assert told["scene"] == "flat-mirror" and told["state"]["first"]["method"] == "pervertex"
     assert told["frames"] > 0 and "prepare" in told["phases_ms"] and "first/method" in told["rectangles"]
 
 
 @pytest.mark.parametrize("size", [(300, 40), (200, 200), (276, 100), (640, 24), (1, 1)])
 def test_no_canvas_is_too_small(size: tuple[int, int]) -> None:
-    hand = Hand(start("flat-mirror"), size)
+    hand = Hand(start_of("flat-mirror"), size)
     hand.draw(5)
     hand.key("Tab")
     hand.draw(5)
@@ -239,31 +239,31 @@ def test_no_canvas_is_too_small(size: tuple[int, int]) -> None:
 
 
 def test_a_fine_screen_gets_a_fine_picture() -> None:
-    hand = Hand(start("flat-mirror"), (400, 200), ratio=2.0)
+    hand = Hand(start_of("flat-mirror"), (400, 200), ratio=2.0)
     hand.settle()
-    assert hand.viewer.report()["picture"] == ((400 - 276) * 2, (200 - 24) * 2)
+    assert hand.viewer.snapshot()["picture"] == ((400 - 276) * 2, (200 - 24) * 2)
     hand.close()
 
 
 def test_a_scene_that_cannot_be_opened_leaves_the_viewer_open_with_the_reason() -> None:
-    hand = Hand(start("no-such-scene"))
+    hand = Hand(start_of("no-such-scene"))
     hand.draw(5)
-    told = hand.viewer.report()
+    told = hand.viewer.snapshot()
     assert "no-such-scene" in told["message"] and told["scene"] == "nothing opened"
     hand.drag(hand.place(0.3, 0.3), hand.place(0.5, 0.5))
     for key in ("s", "2", "o", "w", "p", "m"):
         hand.key(key)
     hand.draw(5)
-    hand.viewer.open(start("flat-mirror"))
+    hand.viewer.open(start_of("flat-mirror"))
     hand.settle()
-    assert hand.viewer.report()["message"] == ""
+    assert hand.viewer.snapshot()["message"] == ""
     hand.close()
 
 
 def test_a_method_that_cannot_draw_the_scene_is_refused_in_one_line() -> None:
-    told = start("magnifier", "environment")
-    assert "glass" in told.message and "\n" not in told.message
-    assert start("magnifier", "nonsense").message and not start("magnifier").message
+    refused = start_of("magnifier", "environment")
+    assert "glass" in refused.message and "\n" not in refused.message
+    assert start_of("magnifier", "nonsense").message and not start_of("magnifier").message
 
 
 def test_what_a_control_cannot_do_is_said_and_the_last_scene_stays(hand: Hand) -> None:
@@ -271,19 +271,19 @@ def test_what_a_control_cannot_do_is_said_and_the_last_scene_stays(hand: Hand) -
     hand.viewer.state = replace(hand.viewer.state, values={"mirror/curvature": 1e9})
     hand.viewer.refresh()
     hand.settle()
-    assert hand.viewer.report()["message"]
+    assert hand.viewer.snapshot()["message"]
     hand.viewer.state = replace(hand.viewer.state, values={})
     hand.viewer.refresh()
     hand.settle()
-    assert hand.viewer.report()["message"] == ""
+    assert hand.viewer.snapshot()["message"] == ""
 
 
 def test_the_picture_is_saved_as_it_is_shown(hand: Hand, tmp_path: Path) -> None:
     hand.viewer.message = "of something before"
     hand.key("p")
-    assert hand.viewer.report()["message"] != "of something before"
-    hand.settle(lambda report: (tmp_path / "flat-mirror-1.png").exists())
-    assert "flat-mirror-1.png" in hand.viewer.report()["message"]
+    assert hand.viewer.snapshot()["message"] != "of something before"
+    hand.settle(lambda snapshot: (tmp_path / "flat-mirror-1.png").exists())
+    assert "flat-mirror-1.png" in hand.viewer.snapshot()["message"]
     saved = np.asarray(Image.open(tmp_path / "flat-mirror-1.png"))
     shown = picture_of(hand.settle(), hand)
     assert alike(saved, shown)
@@ -294,8 +294,8 @@ def test_what_is_asked_for_while_something_is_saved_has_to_wait(hand: Hand, tmp_
     hand.viewer.state = replace(hand.viewer.state, samples=8)
     hand.key("p")
     hand.key("s", "Control")
-    assert "wait" in hand.viewer.report()["message"]
-    hand.settle(lambda report: (tmp_path / "flat-mirror-1.png").exists())
+    assert "wait" in hand.viewer.snapshot()["message"]
+    hand.settle(lambda snapshot: (tmp_path / "flat-mirror-1.png").exists())
     assert [path.name for path in tmp_path.iterdir()] == ["flat-mirror-1.png"]
 
 
@@ -304,8 +304,8 @@ def test_the_view_is_saved_and_opens_as_it_was(hand: Hand, tmp_path: Path) -> No
     hand.drag((x, y), (x + 5.0, y))
     hand.key("s")
     hand.key("s", "Control")
-    hand.settle(lambda report: (tmp_path / "flat-mirror-1.toml").exists())
-    assert start(tmp_path / "flat-mirror-1.toml").state == hand.viewer.state
+    hand.settle(lambda snapshot: (tmp_path / "flat-mirror-1.toml").exists())
+    assert start_of(tmp_path / "flat-mirror-1.toml").state == hand.viewer.state
 
 
 def test_a_lost_device_is_replaced(hand: Hand) -> None:
@@ -313,7 +313,7 @@ def test_a_lost_device_is_replaced(hand: Hand) -> None:
     lost = weakref.ref(get_device())
     get_device().destroy()
     hand.settle()
-    assert "lost" in hand.viewer.report()["message"]
+    assert "lost" in hand.viewer.snapshot()["message"]
     hand.click(*hand.widget("message/close"))
     assert alike(picture_of(hand.settle(), hand), before)
     hand.key("s")
@@ -324,13 +324,13 @@ def test_a_lost_device_is_replaced(hand: Hand) -> None:
 
 
 def test_viewers_that_share_a_lost_device_all_go_on(hand: Hand) -> None:
-    other = Hand(start("flat-mirror", "environment"))
+    other = Hand(start_of("flat-mirror", "environment"))
     try:
         before = picture_of(other.settle(), other)
         get_device().destroy()
         for each in (hand, other):
             each.settle()
-            assert "lost" in each.viewer.report()["message"]
+            assert "lost" in each.viewer.snapshot()["message"]
         other.click(*other.widget("message/close"))
         assert alike(picture_of(other.settle(), other), before)
     finally:
@@ -369,12 +369,12 @@ def test_a_new_method_needs_no_change_to_the_viewer(monkeypatch: pytest.MonkeyPa
 
     method = replace(METHODS["raytrace"], name="toy", summary="A toy", options=ToyOptions, open=opened)
     monkeypatch.setitem(METHODS, "toy", method)
-    hand = Hand(start("flat-mirror"), (380, 500))
+    hand = Hand(start_of("flat-mirror"), (380, 500))
     show(hand, samples=1)
     for key in ("first/method", "first/method/toy", "first/options"):
         hand.click(*hand.widget(key))
         hand.draw(3)
-    assert hand.viewer.state.first.method == "toy" and "first/grain" in hand.viewer.report()["rectangles"]
+    assert hand.viewer.state.first.method == "toy" and "first/grain" in hand.viewer.snapshot()["rectangles"]
     hand.click(*hand.widget("first/grain", 0.99))
     assert hand.viewer.state.first.method == "toy:grain=7"
     assert set(drawn) == {1, 7}
@@ -413,12 +413,12 @@ def test_a_method_that_fails_is_told_of_and_the_rest_goes_on(
 ) -> None:
     before = picture_of(hand.settle(), hand)
     toy(monkeypatch, opened)
-    show(hand, first=Half("toy", Layer.STATUS), split=True)
-    told = hand.viewer.report()["message"]
+    show(hand, first=Half("toy", Aspect.STATUS), split=True)
+    told = hand.viewer.snapshot()["message"]
     assert said in told and "\n" not in told
     assert np.ptp(picture_of(hand.draw(), hand)[100:, 160:].astype(int)) > 50
     show(hand, first=Half("pervertex"), split=False)
-    assert not hand.viewer.report()["message"]
+    assert not hand.viewer.snapshot()["message"]
     assert alike(picture_of(hand.draw(), hand), before)
 
 
@@ -428,8 +428,8 @@ def test_what_cannot_be_measured_is_told_of(hand: Hand, monkeypatch: pytest.Monk
 
     hand.settle()
     monkeypatch.setattr("anamorph.viewer.showing.measure_half", refusing)
-    show(hand, first=Half("pervertex", Layer.ERROR))
-    assert "cannot be measured" in hand.viewer.report()["message"]
+    show(hand, first=Half("pervertex", Aspect.ERROR))
+    assert "cannot be measured" in hand.viewer.snapshot()["message"]
 
 
 def test_what_is_in_space_follows_the_other_half(hand: Hand, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -452,30 +452,30 @@ def test_a_folder_that_is_gone_is_told_of(hand: Hand, tmp_path: Path) -> None:
     (tmp_path / "gone").rmdir()
     for key in (("p",), ("s", "Control")):
         hand.key(*key)
-        hand.settle(lambda report: report["message"])
-        assert "saving" in hand.viewer.report()["message"] or "cannot be written" in hand.viewer.report()["message"]
+        hand.settle(lambda snapshot: snapshot["message"])
+        assert "saving" in hand.viewer.snapshot()["message"] or "cannot be written" in hand.viewer.snapshot()["message"]
         hand.click(*hand.widget("message/close"))
-    assert hand.viewer.report()["progress"] is None
+    assert hand.viewer.snapshot()["progress"] is None
 
 
 def test_from_outside_no_error_is_told_of_a_path_that_has_moved(hand: Hand) -> None:
     show(hand, picked=(0.5, 0.5))
-    looked = hand.viewer.report()["inspection"]
+    looked = hand.viewer.snapshot()["inspection"]
     assert looked["angular_mrad"] is not None
     hand.key("o")
     hand.settle()
-    assert hand.viewer.report()["inspection"] == looked
+    assert hand.viewer.snapshot()["inspection"] == looked
     show(hand, values={"mirror/swivel": 20.0})
-    moved = hand.viewer.report()["inspection"]
+    moved = hand.viewer.snapshot()["inspection"]
     assert moved["path"] != looked["path"] and moved["angular_mrad"] is None
     assert moved["truth"] == moved["path"][-1]["name"]
 
 
 def test_every_builtin_scene_opens() -> None:
     for name in ("spheres", "spectacles-minus"):
-        hand = Hand(start(name))
+        hand = Hand(start_of(name))
         hand.draw(2)
-        assert hand.viewer.report()["message"] == "" and make(name).name == hand.viewer.report()["scene"]
+        assert hand.viewer.snapshot()["message"] == "" and make(name).name == hand.viewer.snapshot()["scene"]
         hand.close()
 
 
@@ -493,7 +493,7 @@ def test_keys_pointer_and_panel_answer_while_a_slow_picture_is_drawn(hand: Hand,
     hand.key("F1")
     hand.drag(hand.place(0.5, 0.5), hand.place(0.6, 0.5))
     assert viewer._showing.moving and viewer.state.camera != viewer.start.state.camera
-    left = hand.viewer.report()["covered"][0][2]
+    left = hand.viewer.snapshot()["covered"][0][2]
     assert np.array_equal(hand.draw()[:, int(left) + 1 :], before[:, int(left) + 1 :]), "the last finished picture"
     while viewer._showing.moving:
         hand.draw()
@@ -507,10 +507,10 @@ def test_a_page_that_takes_long_to_show_pictures_is_sent_fewer(hand: Hand, monke
         monkeypatch.setattr(application, "perf_counter", lambda: next(now) + late[0])
         hand.key("Right")
         before = hand.viewer.frames
-        while not hand.viewer.report()["at_rest"]:
+        while not hand.viewer.snapshot()["at_rest"]:
             late[0] += seconds_between
             hand.draw()
-        assert hand.viewer.report()["samples_done"] == 16
+        assert hand.viewer.snapshot()["samples_done"] == 16
         return hand.viewer.frames - before
 
     prompt, slow = frames_to_rest(0.0), frames_to_rest(2.0)

@@ -18,12 +18,12 @@ from anamorph.methods.options import option
 from anamorph.methods.protocol import Method, Session
 from anamorph.viewer import gestures, shortcuts
 from anamorph.viewer.facts import Facts
-from anamorph.viewer.fluency import SCALES, SLOWEST
-from anamorph.viewer.measured import ERROR_MARKS, STATUS_COLORS, scale_ticks
+from anamorph.viewer.fluency import RESOLUTIONS, SLOWEST
+from anamorph.viewer.measured import ERROR_COLORS, STATUS_COLORS, scale_ticks
 from anamorph.viewer.panel.methods import DRAWINGS, UNITS
-from anamorph.viewer.panel.report import SAVED
-from anamorph.viewer.reports import report
-from anamorph.viewer.starting import start
+from anamorph.viewer.panel.results import SAVED
+from anamorph.viewer.snapshot import snapshot
+from anamorph.viewer.starting import start_of
 from anamorph.viewer.state import Half, State
 from anamorph.viewer.tasks import SWING
 from anamorph.viewer.turntable import LEG, RATE
@@ -39,11 +39,11 @@ def table(title: str) -> list[list[str]]:
     return [[cell.strip() for cell in row.strip("| ").split(" | ")] for row in rows[: rows.index("")]]
 
 
-def test_every_key_is_told_as_help_tells_it():
+def test_every_key_is_listed_as_in_help():
     assert table("key") == [[" or ".join(each.keys), each.group, each.summary] for each in shortcuts.SHORTCUTS]
 
 
-def test_every_gesture_is_told_as_help_tells_it():
+def test_every_gesture_is_listed_as_in_help():
     assert table("gesture") == [list(each) for each in gestures.GESTURES]
 
 
@@ -52,42 +52,42 @@ def test_the_scales_are_those_that_are_drawn():
     assert [row[:3] for row in table("unit")] == ends
 
 
-def test_every_mark_status_and_drawing_is_explained():
-    marks, statuses = (row for row in GUIDE.split("\n| colour | ")[1:])
-    assert marks.startswith("marks") and statuses.startswith("status")
-    assert re.findall(r"^\| \w+ \| ([a-z ]+) \|", marks.split("\n\n")[0], re.M) == list(ERROR_MARKS)
-    told = re.findall(r"^\| [a-z ]+ \| ([a-z ]+) \|", statuses.split("\n\n")[0], re.M)
-    assert told == [STATUS_NAMES[status] for status in STATUS_COLORS]
+def test_every_color_status_and_drawing_is_explained():
+    errors, statuses = (row for row in GUIDE.split("\n| colour | ")[1:])
+    assert errors.startswith("error") and statuses.startswith("status")
+    assert re.findall(r"^\| \w+ \| ([a-z ]+) \|", errors.split("\n\n")[0], re.M) == list(ERROR_COLORS)
+    listed = re.findall(r"^\| [a-z ]+ \| ([a-z ]+) \|", statuses.split("\n\n")[0], re.M)
+    assert listed == [STATUS_NAMES[status] for status in STATUS_COLORS]
     assert [row[0] for row in table("drawing")] == [title.lower() for _, title, _ in DRAWINGS]
 
 
-def test_what_can_be_saved_is_told():
+def test_what_can_be_saved_is_listed():
     assert [row[0] for row in table("what")] == [title for _, title, _ in SAVED]
     assert f"swings {SWING:g} degrees" in PROSE
     assert f"in {LEG / RATE:g} seconds from one to the next" in PROSE
 
 
 def test_numbers_of_fluency_are_the_codes():
-    shares = [f"{100.0 * scale:g}" for scale in SCALES]
+    shares = [f"{100.0 * resolution:g}" for resolution in RESOLUTIONS]
     assert f"{', '.join(shares[:-1])} and {shares[-1]} percent" in PROSE
     assert f"than {SLOWEST:g} ms" in PROSE
 
 
 def test_every_module_has_its_place():
     rows = GUIDE.split("| modules of ")[1].split("\n\n")[0].splitlines()[2:]
-    told = [name for row in rows for name in re.findall(r"`([\w/]+)`", row)]
+    listed = [name for row in rows for name in re.findall(r"`([\w/]+)`", row)]
     room = ROOT / "src" / "anamorph" / "viewer"
     there = [
         path.relative_to(room).with_suffix("").as_posix() for path in room.rglob("*.py") if path.stem != "__init__"
     ]
-    assert sorted(told) == sorted(there)
+    assert sorted(listed) == sorted(there)
 
 
-def test_the_report_has_the_fields_that_are_told():
+def test_the_snapshot_has_the_fields_that_are_listed():
     facts = Facts(scene_with(spherical_mirror()), (800, 600), (524, 576), (524, 576), "none")
-    known = report(facts, State(CAMERA, Half("pervertex"), Half("raytrace")), None, 0, True)
-    told = GUIDE.split("For developers")[1].split("`/report.json`")[1].split("\n\n")[0].split(":", 1)[1]
-    assert sorted(re.findall(r"`(\w+)`", told)) == sorted(known)
+    known = snapshot(facts, State(CAMERA, Half("pervertex"), Half("raytrace")), None, 0, True)
+    listed = GUIDE.split("For developers")[1].split("`/snapshot.json`")[1].split("\n\n")[0].split(":", 1)[1]
+    assert sorted(re.findall(r"`(\w+)`", listed)) == sorted(known)
 
 
 @dataclass(frozen=True)
@@ -115,7 +115,7 @@ def test_a_method_that_is_added_appears_with_its_options_and_is_drawn(monkeypatc
 
     added = Method("added", "draws as the truth does", "nowhere", Strengths, open_session, refracts=True)
     monkeypatch.setitem(METHODS, "added", added)
-    hand = Hand(start("flat-mirror"))
+    hand = Hand(start_of("flat-mirror"))
     try:
         hand.click(*hand.widget("first/method"))
         hand.draw(3)
@@ -125,12 +125,12 @@ def test_a_method_that_is_added_appears_with_its_options_and_is_drawn(monkeypatc
         hand.click(*hand.widget("first/options", 0.2))
         hand.draw(3)
         hand.click(*hand.widget("first/strength", 0.99))
-        assert {"first/strength", "first/kind"} <= hand.viewer.report()["rectangles"].keys()
+        assert {"first/strength", "first/kind"} <= hand.viewer.snapshot()["rectangles"].keys()
         hand.settle()
         assert hand.viewer.state.first.method == "added:strength=9" and opened[-1] == Strengths(9)
         hand.key("2")
         hand.settle()
-        figures = hand.viewer.report()["figures"][0]
+        figures = hand.viewer.snapshot()["figures"][0]
         assert figures["other_object_percent"] == 0.0 and figures["angular_mrad"]["median"] < 0.01
     finally:
         hand.close()

@@ -14,16 +14,16 @@ from anamorph.base.errors import AnamorphError
 from anamorph.base.srgb import decode_srgb, encode_srgb
 from anamorph.frame import Frame, Status
 from anamorph.measure.errors import ErrorMaps
-from anamorph.measure.heatmap import MILLIRADIANS, PIXELS, VIRIDIS, Scale, faint, heat_layer, heat_map, scale_colors
+from anamorph.measure.heatmap import MILLIRADIANS, PIXELS, VIRIDIS, Scale, faint, heat_colors, heat_map, scale_colors
 from anamorph.viewer.measured import (
-    ERROR_MARKS,
+    ERROR_COLORS,
     OTHER_OBJECT,
     SILHOUETTE,
     STATUS_COLORS,
-    error_layer,
+    error_colors,
     measure_half,
     scale_ticks,
-    status_layer,
+    status_colors,
 )
 
 SCALES = (MILLIRADIANS, PIXELS)
@@ -43,7 +43,7 @@ def stop(number: int) -> tuple[int, ...]:
 def test_known_errors_have_known_colours(scale: Scale) -> None:
     middle = np.sqrt(scale.lowest * scale.highest)
     errors = np.array([[0.0, scale.lowest, middle, scale.highest, 1e30]])
-    layer = heat_layer(maps_of(errors), np.zeros((1, 5, 3), np.float32), scale)
+    layer = heat_colors(maps_of(errors), np.zeros((1, 5, 3), np.float32), scale)
     expected = [(*stop(number), 255) for number in (0, 0, 4, 8, 8)]
     assert np.abs(layer[0].astype(int) - expected).max() <= 1
 
@@ -52,22 +52,22 @@ def test_known_errors_have_known_colours(scale: Scale) -> None:
 @given(st.floats(0.0, 1e38), st.sampled_from(SCALES))
 def test_the_table_of_colours_is_as_good_as_logarithms(error: float, scale: Scale) -> None:
     errors = np.array([[error]])
-    layer = heat_layer(maps_of(errors), np.zeros((1, 1, 3), np.float32), scale)
+    layer = heat_colors(maps_of(errors), np.zeros((1, 1, 3), np.float32), scale)
     assert np.abs(layer[..., :3].astype(int) - scale_colors(errors, scale)).max() <= 1
 
 
 def test_what_is_no_number_has_the_colour_of_the_worst() -> None:
     errors = np.array([[np.nan, -np.nan, np.inf, 3e38]])
-    layer = heat_layer(maps_of(errors), np.full((1, 4, 3), np.nan, np.float32))
+    layer = heat_colors(maps_of(errors), np.full((1, 4, 3), np.nan, np.float32))
     assert (layer == (*stop(8), 255)).all()
 
 
 def test_each_unit_shows_its_own_map() -> None:
     maps = replace(maps_of(np.array([[1000.0]])), pixels=np.array([[0.0]]))
     color = np.zeros((1, 1, 3), np.float32)
-    assert tuple(heat_layer(maps, color, MILLIRADIANS)[0, 0, :3]) == stop(8)
-    assert tuple(heat_layer(maps, color, PIXELS)[0, 0, :3]) == stop(0)
-    assert np.array_equal(heat_map(maps, color), heat_layer(maps, color)[..., :3])
+    assert tuple(heat_colors(maps, color, MILLIRADIANS)[0, 0, :3]) == stop(8)
+    assert tuple(heat_colors(maps, color, PIXELS)[0, 0, :3]) == stop(0)
+    assert np.array_equal(heat_map(maps, color), heat_colors(maps, color)[..., :3])
 
 
 @settings(max_examples=60)
@@ -89,12 +89,12 @@ def test_silhouettes_and_other_objects_are_marked_and_the_rest_is_the_picture() 
     frame = replace(truth, object_id=objects, position=truth.position + np.float32([0.02, 0.0, 0.0]))
     measured = measure_half(truth, frame)
     for unit in ("mrad", "px"):
-        layer = error_layer(measured, unit)[..., :3]
+        layer = error_colors(measured, unit)[..., :3]
         assert (layer[10:, 23:25] == SILHOUETTE).all()
         assert (layer[20, 5] == OTHER_OBJECT).all()
         assert np.array_equal(layer[:7], faint(truth.color)[:7, :, :3])
         assert np.ptp(layer[21:, :20].astype(int), axis=-1).min() > 0
-    assert set(ERROR_MARKS.values()) == {SILHOUETTE, OTHER_OBJECT}
+    assert set(ERROR_COLORS.values()) == {SILHOUETTE, OTHER_OBJECT}
 
 
 def test_a_half_is_told_in_figures() -> None:
@@ -113,14 +113,14 @@ def test_a_picture_without_mirrors_has_layers_and_no_figures() -> None:
     truth.specular[:] = 0
     measured = measure_half(truth, truth)
     assert measured.figures.angular_mrad.max is measured.figures.other_object_percent is None
-    assert np.array_equal(error_layer(measured, "px"), faint(truth.color))
+    assert np.array_equal(error_colors(measured, "px"), faint(truth.color))
 
 
 @pytest.mark.parametrize("status", Status)
 def test_every_status_has_its_colour(status: Status) -> None:
     truth = plane_truth()
     truth.status[:] = status
-    layer = status_layer(truth)
+    layer = status_colors(truth)
     if status is Status.DIRECT:
         assert np.array_equal(layer, faint(truth.color))
         assert np.abs(layer[..., :3].astype(int) - STATUS_COLORS[status]).max() <= 40
@@ -132,10 +132,10 @@ def test_the_sky_beside_a_mirror_is_seen_directly_but_not_through_a_ray_mesh() -
     truth = plane_truth()
     truth.status[:] = Status.SKY
     truth.specular[:16] = 0
-    layer = status_layer(truth)
+    layer = status_colors(truth)
     assert np.array_equal(layer[:16], faint(truth.color)[:16])
     assert (layer[16:, :, :3] == STATUS_COLORS[Status.SKY]).all()
-    assert (status_layer(replace(truth, ray_mesh=True))[..., :3] == STATUS_COLORS[Status.SKY]).all()
+    assert (status_colors(replace(truth, ray_mesh=True))[..., :3] == STATUS_COLORS[Status.SKY]).all()
 
 
 def test_ticks_stand_where_their_colours_do() -> None:
@@ -151,9 +151,9 @@ def test_ticks_stand_where_their_colours_do() -> None:
 def test_what_cannot_be_shown_is_named() -> None:
     truth = plane_truth()
     with pytest.raises(AnamorphError, match="'furlong'; give mrad or px"):
-        error_layer(measure_half(truth, truth), "furlong")
+        error_colors(measure_half(truth, truth), "furlong")
     with pytest.raises(AnamorphError, match=r"'status' buffer.*seen=True"):
-        status_layer(Frame(truth.color))
+        status_colors(Frame(truth.color))
 
 
 EYES = {
@@ -194,6 +194,6 @@ def test_all_eyes_tell_the_colours_apart(eye: str) -> None:
     assert least_difference(statuses, statuses, EYES[eye]) > 20.0
     assert least_difference(statuses, greys, EYES[eye]) > 20.0
     heat = scale_colors(np.geomspace(MILLIRADIANS.lowest, MILLIRADIANS.highest, 200)).astype(float)
-    marks = np.array([*ERROR_MARKS.values()], float)
+    marks = np.array([*ERROR_COLORS.values()], float)
     for others in (heat, greys, marks):
         assert least_difference(marks, others, EYES[eye]) > 20.0

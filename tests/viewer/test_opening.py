@@ -25,8 +25,8 @@ from anamorph.viewer.home import Home
 from anamorph.viewer.job import Job
 from anamorph.viewer.saving import save_scene
 from anamorph.viewer.shortcuts import press
-from anamorph.viewer.starting import Start, carried_over, start
-from anamorph.viewer.state import Drawing, Half, Layer, State
+from anamorph.viewer.starting import Start, carried_over, start_of
+from anamorph.viewer.state import Aspect, Drawing, Half, State
 
 
 @pytest.fixture(scope="module")
@@ -51,7 +51,7 @@ def opened(scene: Scene) -> Iterator[Callable[..., Stage]]:
 @pytest.fixture
 def hand(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Hand]:
     monkeypatch.chdir(tmp_path)
-    hand = Hand(start("flat-mirror"))
+    hand = Hand(start_of("flat-mirror"))
     yield hand
     hand.close()
 
@@ -62,7 +62,7 @@ def ask(hand: Hand, name: str) -> None:
         hand.key("o", "Control")
     hand.type(name)
     hand.key("Enter")
-    hand.settle(lambda report: not report["message"].startswith("opening"))
+    hand.settle(lambda snapshot: not snapshot["message"].startswith("opening"))
 
 
 @pytest.mark.parametrize("name", ["car-mirror", "cube-in-wavy-mirror"])
@@ -137,21 +137,21 @@ def test_another_scene_is_announced_and_then_shown_as_if_it_came_first(hand: Han
     announced = []
 
     def opening(name: str) -> Start:
-        told = hand.viewer.report()
+        told = hand.viewer.snapshot()
         assert (told["scene"], told["message"]) == ("flat-mirror", "opening spheres …")
         left, top, right, bottom = (round(edge) for edge in told["rectangles"]["notice"])
         notice = hand.shown[top:bottom, left:right].astype(int) - quiet[top:bottom, left:right]
         announced.append((np.abs(notice).max(axis=-1) > 20).mean())
-        return start(name)
+        return start_of(name)
 
-    monkeypatch.setattr(starting, "start", opening)
+    monkeypatch.setattr(starting, "start_of", opening)
     hand.click(*hand.widget("opening/spheres"))
-    shown = hand.settle(lambda report: report["scene"] == "spheres" and report["at_rest"])
+    shown = hand.settle(lambda snapshot: snapshot["scene"] == "spheres" and snapshot["at_rest"])
     assert len(announced) == 1 and announced[0] > 0.5
-    told = hand.viewer.report()
+    told = hand.viewer.snapshot()
     assert told["message"] == "" and told["state"]["opening"] is None
     assert hand.viewer.title == "spheres - Anamorph"
-    first = Hand(start("spheres"))
+    first = Hand(start_of("spheres"))
     wanted = first.settle()
     assert hand.viewer.state == first.viewer.state
     first.close()
@@ -172,7 +172,7 @@ def test_what_cannot_be_opened_is_said_and_the_scene_stays(hand: Hand) -> None:
     before = hand.settle()
     state = hand.viewer.state
     ask(hand, "no-such-file.step")
-    told = hand.viewer.report()
+    told = hand.viewer.snapshot()
     assert "no-such-file.step" in told["message"] and "\n" not in told["message"]
     assert told["scene"] == "flat-mirror" and hand.viewer.title.startswith("flat-mirror")
     assert hand.viewer.state == replace(state, opening="no-such-file.step")
@@ -182,7 +182,7 @@ def test_what_cannot_be_opened_is_said_and_the_scene_stays(hand: Hand) -> None:
     assert np.abs(after[:270, beside:].astype(int) - before[:270, beside:]).max() <= 1
     hand.key("Escape")
     ask(hand, "spheres")
-    assert hand.viewer.report()["scene"] == "spheres"
+    assert hand.viewer.snapshot()["scene"] == "spheres"
 
 
 def test_a_file_of_the_folder_and_of_the_home_is_opened(hand: Hand, tmp_path: Path, monkeypatch) -> None:
@@ -192,9 +192,9 @@ def test_a_file_of_the_folder_and_of_the_home_is_opened(hand: Hand, tmp_path: Pa
     (tmp_path / "mine.toml").write_text(text.format("mine"))
     (tmp_path / "home" / "ours.toml").write_text(text.format("ours"))
     ask(hand, "mine.toml")
-    assert hand.viewer.report()["scene"] == "mine"
+    assert hand.viewer.snapshot()["scene"] == "mine"
     ask(hand, "~/ours.toml")
-    assert hand.viewer.report()["scene"] == "ours"
+    assert hand.viewer.snapshot()["scene"] == "ours"
 
 
 @pytest.mark.parametrize(
@@ -215,7 +215,7 @@ def test_a_cad_file_is_opened_with_the_options_of_the_command_line(monkeypatch, 
 
     given: list[Source] = []
     monkeypatch.setattr(starting, "open_view", open_view)
-    assert start(typed).message == "stop"
+    assert start_of(typed).message == "stop"
     assert given == [asked if isinstance(asked, Source) else Source(asked)]
 
 
@@ -233,14 +233,14 @@ def test_a_cad_file_is_opened_with_the_options_of_the_command_line(monkeypatch, 
     ],
 )
 def test_options_that_cannot_be_taken_are_one_line(typed, words) -> None:
-    message = start(f" {typed}").message
+    message = start_of(f" {typed}").message
     assert words in message and "\n" not in message
 
 
 def test_a_file_whose_name_has_two_dashes_is_only_a_name(tmp_path: Path, monkeypatch) -> None:
     monkeypatch.chdir(tmp_path)
     (tmp_path / "a --flip.toml").write_text('builtin = "flat-mirror"\n')
-    assert start("a --flip.toml").opened.scene.name == "a --flip"
+    assert start_of("a --flip.toml").opened.scene.name == "a --flip"
 
 
 @pytest.mark.parametrize("name", ["passwd", "notes.txt", "folder.d/.hidden"])
@@ -248,19 +248,19 @@ def test_a_file_of_no_kind_is_told_of_by_its_name_with_all_that_can_be_opened(tm
     file = tmp_path / name
     file.parent.mkdir(exist_ok=True)
     file.write_text("root:x:0:0\n")
-    message = start(str(file)).message
+    message = start_of(str(file)).message
     assert message.startswith(f"{file}: ") and "\n" not in message and "''" not in message
     assert all(suffix in message for suffix in (".toml", *SUFFIXES))
 
 
 def test_a_viewer_that_opened_nothing_opens_something() -> None:
-    hand = Hand(start("nowhere"))
+    hand = Hand(start_of("nowhere"))
     ask(hand, "also-nowhere")
-    told = hand.viewer.report()
+    told = hand.viewer.snapshot()
     assert "also-nowhere" in told["message"] and told["scene"] == "nothing opened"
     hand.key("Escape")
     ask(hand, "flat-mirror")
-    assert hand.viewer.report()["scene"] == "flat-mirror"
+    assert hand.viewer.snapshot()["scene"] == "flat-mirror"
     hand.close()
 
 
@@ -276,16 +276,16 @@ def test_what_is_being_saved_is_stopped_and_leaves_nothing(hand: Hand, tmp_path:
     hand.viewer._job = Job(endless())
     hand.draw(2)
     ask(hand, "spheres")
-    told = hand.viewer.report()
+    told = hand.viewer.snapshot()
     assert ended and told["progress"] is None and told["message"] == "stopped saving"
 
 
 def test_halves_layers_and_split_are_carried_over_and_the_eye_is_not() -> None:
-    old = start("flat-mirror").state
+    old = start_of("flat-mirror").state
     set_there = replace(
         old,
-        first=Half("pervertex:refine=2", Layer.ERROR),
-        second=Half("environment", Layer.STATUS),
+        first=Half("pervertex:refine=2", Aspect.ERROR),
+        second=Half("environment", Aspect.STATUS),
         split=True,
         divider=0.3,
         panel=False,
@@ -299,18 +299,18 @@ def test_halves_layers_and_split_are_carried_over_and_the_eye_is_not() -> None:
         samples=2,
         unit="px",
     )
-    beginning = start("spheres")
+    start = start_of("spheres")
     left = {"observer": None, "values": {}, "picked": None, "picked_outside": False, "opening": None, "views": ()}
-    kept = replace(set_there, camera=beginning.state.camera, **left)
-    assert carried_over(set_there, beginning) == kept
-    glass = start("magnifier")
+    kept = replace(set_there, camera=start.state.camera, **left)
+    assert carried_over(set_there, start) == kept
+    glass = start_of("magnifier")
     through = carried_over(set_there, glass)
-    assert (through.first, through.second) == (set_there.first, Half(glass.state.second.method, Layer.STATUS))
+    assert (through.first, through.second) == (set_there.first, Half(glass.state.second.method, Aspect.STATUS))
 
 
 def test_a_saved_view_brings_its_own(tmp_path: Path) -> None:
-    beginning = start("flat-mirror")
-    kept = replace(beginning.state, first=Half("environment", Layer.ERROR), values={"mirror/tilt": 2.0}, divider=0.2)
+    start = start_of("flat-mirror")
+    kept = replace(start.state, first=Half("environment", Aspect.ERROR), values={"mirror/tilt": 2.0}, divider=0.2)
     kept = replace(kept, views=(kept.camera, replace(kept.camera, field_of_view=30.0)))
-    save_scene(tmp_path / "view.toml", beginning.opened, kept, (320, 200))
-    assert carried_over(replace(beginning.state, split=True), start(tmp_path / "view.toml")) == kept
+    save_scene(tmp_path / "view.toml", start.opened, kept, (320, 200))
+    assert carried_over(replace(start.state, split=True), start_of(tmp_path / "view.toml")) == kept

@@ -26,10 +26,10 @@ from anamorph.frame import Frame, View
 from anamorph.scene.camera import Camera
 from anamorph.viewer.navigation import orbit as orbited
 from anamorph.viewer.remembered import forget, go_to, remember
-from anamorph.viewer.starting import start
-from anamorph.viewer.state import EyeSide, Half, State, looking_into, shown_camera, watched_by
+from anamorph.viewer.starting import start_of
+from anamorph.viewer.state import EyeSide, Half, State, shown_camera, with_observer, with_picked
 from anamorph.viewer.turntable import LEG, between, orbit
-from anamorph.viewer.views import views_of
+from anamorph.viewer.view_table import views_of
 
 UP = (0.0, 1.0, 0.0)
 places = st.tuples(*[st.floats(-5.0, 5.0)] * 3)
@@ -169,13 +169,13 @@ def test_a_view_that_one_goes_to_is_shown_and_only_who_looks_moves(state: State,
 
 @given(states, st.tuples(st.floats(0.0, 1.0), st.floats(0.0, 1.0)))
 def test_a_pixel_is_his_into_whose_picture_was_clicked(state: State, place: tuple[float, float]) -> None:
-    looked = looking_into(state, place)
+    looked = with_picked(state, place)
     assert looked.picked == place and looked.picked_outside is (state.observer is not None)
-    assert looking_into(looked, None) == state
-    outside = watched_by(looked, CAMERA)
+    assert with_picked(looked, None) == state
+    outside = with_observer(looked, CAMERA)
     assert (outside.picked, outside.picked_outside, outside.observer) == (place, looked.picked_outside, CAMERA)
     # The eye's pixel outlives the observer; his own does not.
-    inside = watched_by(outside, None)
+    inside = with_observer(outside, None)
     assert inside.picked == (None if looked.picked_outside else place)
     assert inside.observer is None and not inside.picked_outside
 
@@ -184,14 +184,14 @@ def test_a_pixel_is_his_into_whose_picture_was_clicked(state: State, place: tupl
 def hand(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Hand]:
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr("anamorph.viewer.turntable.LEG", 2)
-    hand = Hand(start("flat-mirror"), (560, 600))
+    hand = Hand(start_of("flat-mirror"), (560, 600))
     yield hand
     hand.close()
 
 
 def reveal(hand: Hand, key: str) -> None:
     """Scroll the panel until a widget is in sight."""
-    _, top, right, bottom = hand.viewer.report()["rectangles"]["panel/body"]
+    _, top, right, bottom = hand.viewer.snapshot()["rectangles"]["panel/body"]
     x, middle = right - 4.0, (top + bottom) / 2.0
     hand.send("pointer_move", x=x, y=middle, button=0)
     for _ in range(60):
@@ -221,14 +221,14 @@ def test_views_are_remembered_shown_again_forgotten_and_filmed(
     hand.key("k")
     eye, other, outside = views = hand.viewer.state.views
     assert outside == hand.viewer.state.observer and other == hand.viewer.state.camera != eye
-    assert len(hand.viewer.report()["state"]["views"]) == 3
+    assert len(hand.viewer.snapshot()["state"]["views"]) == 3
     push(hand, "views/0")
     assert (hand.viewer.state.observer, hand.viewer.state.camera) == (eye, other)
     hand.key("o")
     push(hand, "views/0", "views/2/forget")
     assert hand.viewer.state.views == views[:2] and hand.viewer.state.camera == eye
     push(hand, "section/save", "save-path-series")
-    hand.settle(lambda report: report["message"] == "saved flat-mirror-1")
+    hand.settle(lambda snapshot: snapshot["message"] == "saved flat-mirror-1")
     path = between(views[:2])
     names = [f"frame-{number:04}.png" for number in (1, 2, 3)]
     assert sorted(each.name for each in (tmp_path / "flat-mirror-1").iterdir()) == names
@@ -241,17 +241,17 @@ def test_views_are_remembered_shown_again_forgotten_and_filmed(
     # So long that it is not done before anybody can cancel it.
     monkeypatch.setattr("anamorph.viewer.turntable.LEG", 500)
     push(hand, "save-path")
-    hand.settle(lambda report: report["progress"] and report["progress"]["done"] > 2)
+    hand.settle(lambda snapshot: snapshot["progress"] and snapshot["progress"]["done"] > 2)
     hand.click(*hand.widget("cancel"))
-    hand.settle(lambda report: report["message"] == "stopped")
+    hand.settle(lambda snapshot: snapshot["message"] == "stopped")
     monkeypatch.setattr("anamorph.viewer.turntable.LEG", 2)
     assert [each.name for each in tmp_path.iterdir()] == ["flat-mirror-1"], "a stopped one leaves nothing behind"
     push(hand, "save-path")
-    hand.settle(lambda report: report["message"] == "saved flat-mirror-1.webm")
+    hand.settle(lambda snapshot: snapshot["message"] == "saved flat-mirror-1.webm")
     assert (tmp_path / "flat-mirror-1.webm").stat().st_size > 1000
     push(hand, "views/clear")
     push(hand, "save-path")
-    assert hand.viewer.state.views == () and hand.viewer.report()["progress"] is None
+    assert hand.viewer.state.views == () and hand.viewer.snapshot()["progress"] is None
     hand.key("k")
     hand.key("R", "Shift")
     assert hand.viewer.state.views == ()
@@ -265,22 +265,22 @@ def test_a_pixel_reopens_as_his_whose_it_was(hand: Hand, tmp_path: Path, outside
         hand.key("o")
         hand.settle()
     hand.click(*hand.place(0.45, 0.45))
-    hand.settle(lambda report: report["inspection"] and report["at_rest"])
-    seen = hand.viewer.report()["inspection"]
+    hand.settle(lambda snapshot: snapshot["inspection"] and snapshot["at_rest"])
+    seen = hand.viewer.snapshot()["inspection"]
     assert seen["path"][0]["point"] == shown_camera(hand.viewer.state).position
     if not outside:
         hand.key("o")
         hand.settle()
     hand.key("s", "Control")
-    hand.settle(lambda report: (tmp_path / "flat-mirror-1.toml").exists())
-    again = Hand(start(tmp_path / "flat-mirror-1.toml"), (560, 600))
+    hand.settle(lambda snapshot: (tmp_path / "flat-mirror-1.toml").exists())
+    again = Hand(start_of(tmp_path / "flat-mirror-1.toml"), (560, 600))
     try:
-        again.settle(lambda report: report["inspection"] and report["at_rest"])
+        again.settle(lambda snapshot: snapshot["inspection"] and snapshot["at_rest"])
         assert again.viewer.state == hand.viewer.state and again.viewer.state.picked_outside is outside
-        assert again.viewer.report()["inspection"] == seen
+        assert again.viewer.snapshot()["inspection"] == seen
         again.key("o")
         again.settle()
-        found = again.viewer.report()["inspection"]
+        found = again.viewer.snapshot()["inspection"]
         assert found == (None if outside else seen)
     finally:
         again.close()
@@ -295,22 +295,22 @@ def test_a_method_that_cannot_look_for_the_eye_is_told_of_once(hand: Hand, monke
         asked.append(view.camera)
         raise AnamorphError("it looks at nothing")
 
-    monkeypatch.setattr("anamorph.viewer.looking._seen", failing)
+    monkeypatch.setattr("anamorph.viewer.inspector._seen", failing)
     hand.viewer.state = replace(hand.viewer.state, picked=(0.45, 0.45))
     hand.viewer.refresh()
     hand.settle()
-    assert asked == [hand.viewer.state.camera] and hand.viewer.report()["inspection"] is None
-    assert hand.viewer.report()["message"] == "it looks at nothing"
+    assert asked == [hand.viewer.state.camera] and hand.viewer.snapshot()["inspection"] is None
+    assert hand.viewer.snapshot()["message"] == "it looks at nothing"
 
 
 def test_from_outside_a_click_where_the_eye_has_picked_picks_for_the_observer(hand: Hand) -> None:
-    hand.viewer.state = looking_into(hand.viewer.state, (0.45, 0.45))
+    hand.viewer.state = with_picked(hand.viewer.state, (0.45, 0.45))
     hand.settle()
-    by_eye = hand.viewer.report()["inspection"]
+    by_eye = hand.viewer.snapshot()["inspection"]
     hand.key("o")
     hand.click(*hand.place(0.45, 0.45))
     hand.settle()
-    assert hand.viewer.state.picked_outside and hand.viewer.report()["inspection"]["path"] != by_eye["path"]
+    assert hand.viewer.state.picked_outside and hand.viewer.snapshot()["inspection"]["path"] != by_eye["path"]
     hand.click(*hand.place(0.45, 0.45))
     assert hand.viewer.state.picked is None
 

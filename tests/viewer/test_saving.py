@@ -21,7 +21,7 @@ from anamorph.measure.compare import Comparison, compare, comparison_steps
 from anamorph.rendering import render
 from anamorph.scene.camera import Camera
 from anamorph.viewer.facts import Progress
-from anamorph.viewer.saving import Saving, comparison_page, free_name, save_picture
+from anamorph.viewer.saving import Saving, free_name, save_comparison, save_picture
 from anamorph.viewer.turntable import orbit, turntable
 
 SIZE = (48, 32)
@@ -79,7 +79,7 @@ def figures(comparison: Comparison) -> dict:
 def test_a_comparison_in_steps_is_the_comparison():
     scene, _ = open_scene("flat-mirror")
     told: list[tuple[int, int, str]] = []
-    at_once = compare(scene, ["environment"], SIZE, frames=2, progress=lambda *step: told.append(step))
+    at_once = compare(scene, ["environment"], SIZE, frames=2, report=lambda *step: told.append(step))
     steps = comparison_steps(scene, ["environment"], SIZE, frames=2)
     yielded = []
     while True:
@@ -98,16 +98,16 @@ def test_a_comparison_in_steps_is_the_comparison():
 def test_a_comparison_page_is_saved_or_leaves_nothing(tmp_path):
     scene, _ = open_scene("flat-mirror")
     page = tmp_path / "page.html"
-    steps = comparison_page(page, scene, ["environment"], SIZE)
+    steps = save_comparison(page, scene, ["environment"], SIZE)
     assert next(steps).done == 0
     next(steps)
     steps.close()
     assert not list(tmp_path.iterdir())
-    told, said = finished(comparison_page(page, scene, ["environment"], SIZE, "from the viewer"))
+    told, said = finished(save_comparison(page, scene, ["environment"], SIZE, "from the viewer"))
     assert said == "saved page.html" and os.listdir(tmp_path) == ["page.html"]
     assert told[-1].done == told[-1].total and "from the viewer" in page.read_text()
     with pytest.raises(AnamorphError, match="there is no directory"):
-        next(comparison_page(tmp_path / "no" / "page.html", scene, [], SIZE))
+        next(save_comparison(tmp_path / "no" / "page.html", scene, [], SIZE))
 
 
 def test_an_orbit_goes_once_round_the_target():

@@ -16,9 +16,9 @@ from anamorph.viewer.home import Home, reset_view
 from anamorph.viewer.navigation import orbit, zoom
 from anamorph.viewer.observer import first_observer
 from anamorph.viewer.shortcuts import NEARER, SHORTCUTS, TURN, press
-from anamorph.viewer.state import Drawing, EyeSide, Half, Layer, State
+from anamorph.viewer.state import Aspect, Drawing, EyeSide, Half, State
 
-STATE = State(CAMERA, Half("pervertex:refine=2", Layer.ERROR), Half("raytrace"))
+STATE = State(CAMERA, Half("pervertex:refine=2", Aspect.ERROR), Half("raytrace"))
 HOME = Home(STATE, scene_with(spherical_mirror()))
 MOVED = replace(STATE, camera=Camera((2.0, 1.0, 2.0), (0.0, 0.5, 0.0)))
 
@@ -52,12 +52,12 @@ def after(name, *modifiers, state=STATE, home=HOME):
         (key("v"), {"drawings": {Drawing.VIEWPOINT}}),
         (key("b"), {"drawings": {Drawing.VOLUME}}),
         (key("B"), {"drawings": {Drawing.VOLUME}}),
-        (key("1"), {"first": Half("pervertex:refine=2", Layer.PICTURE)}),
+        (key("1"), {"first": Half("pervertex:refine=2", Aspect.PICTURE)}),
         (key("2"), {}),
-        (key("3"), {"first": Half("pervertex:refine=2", Layer.STATUS)}),
-        (key("4"), {"second": Half("raytrace", Layer.PICTURE), "split": True}),
-        (key("5"), {"second": Half("raytrace", Layer.ERROR), "split": True}),
-        (key("6"), {"second": Half("raytrace", Layer.STATUS), "split": True}),
+        (key("3"), {"first": Half("pervertex:refine=2", Aspect.STATUS)}),
+        (key("4"), {"second": Half("raytrace", Aspect.PICTURE), "split": True}),
+        (key("5"), {"second": Half("raytrace", Aspect.ERROR), "split": True}),
+        (key("6"), {"second": Half("raytrace", Aspect.STATUS), "split": True}),
         (key("ArrowLeft"), {"camera": orbit(CAMERA, -TURN, 0.0)}),
         (key("ArrowRight"), {"camera": orbit(CAMERA, TURN, 0.0)}),
         (key("ArrowUp"), {"camera": orbit(CAMERA, 0.0, TURN)}),
@@ -98,7 +98,7 @@ def test_methods_follow_each_other_and_keep_their_layer():
     for _ in METHODS:
         state = after("m", state=state)
         seen.append(state.first.method)
-        assert state.first.layer is Layer.ERROR and not state.split
+        assert state.first.aspect is Aspect.ERROR and not state.split
     assert sorted(seen) == sorted(METHODS) and seen[-1] == "pervertex"
     second = after("M", "Shift")
     assert second == replace(STATE, second=Half("environment"), split=True)

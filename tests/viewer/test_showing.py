@@ -20,11 +20,11 @@ from anamorph.gpu.device import get_device
 from anamorph.gpu.targets import COLOR_FORMAT, make_texture, read_texture
 from anamorph.gpu.timing import device_timer
 from anamorph.scene.model import Scene
-from anamorph.viewer.compose import Average, Composer, LayerTexture, Shown
-from anamorph.viewer.fluency import PATIENCE, SCALES, SLOWEST, Fluency, scaled
-from anamorph.viewer.pictures import MethodPictures
+from anamorph.viewer.compose import Average, Composer, FalseColorTexture, Shown
+from anamorph.viewer.fluency import PATIENCE, RESOLUTIONS, SLOWEST, Fluency, scaled
+from anamorph.viewer.method_images import MethodImages
 from anamorph.viewer.showing import Showing, shifts
-from anamorph.viewer.state import EYE_DISTANCE, EyeSide, Half, Layer, State, looking_eye, shown_camera
+from anamorph.viewer.state import EYE_DISTANCE, Aspect, EyeSide, Half, State, looking_eye, shown_camera
 
 SIZE = (96, 64)
 STATE = State(make("flat-mirror").camera, Half("pervertex"), Half("raytrace"), samples=2)
@@ -82,33 +82,33 @@ def settle(showing: Showing) -> None:
 
 
 @given(st.lists(st.floats(0.1, 1e5), max_size=60))
-def test_the_scale_stays_among_the_scales_and_follows_the_times(times: list[float]) -> None:
+def test_the_resolution_stays_among_the_resolutions_and_follows_the_times(times: list[float]) -> None:
     fluency = Fluency()
     for milliseconds in times:
         after = fluency.after(milliseconds)
-        assert 0 <= after.level < len(SCALES)
-        assert after.level <= fluency.level or milliseconds > SLOWEST
-        assert after.level >= fluency.level or milliseconds < SLOWEST
+        assert 0 <= after.number < len(RESOLUTIONS)
+        assert after.number <= fluency.number or milliseconds > SLOWEST
+        assert after.number >= fluency.number or milliseconds < SLOWEST
         fluency = after
 
 
 def test_one_slow_frame_is_forgiven_and_the_second_is_not() -> None:
     once = Fluency().after(2 * SLOWEST)
-    assert once.scale == 1.0
-    assert once.after(2 * SLOWEST).scale == 0.5
-    assert once.after(0.9 * SLOWEST).after(2 * SLOWEST).scale == 1.0
+    assert once.resolution == 1.0
+    assert once.after(2 * SLOWEST).resolution == 0.5
+    assert once.after(0.9 * SLOWEST).after(2 * SLOWEST).resolution == 1.0
     slowest = Fluency()
     for _ in range(PATIENCE):
         slowest = slowest.after(1000 * SLOWEST)
-    assert slowest.scale == SCALES[-1]
+    assert slowest.resolution == RESOLUTIONS[-1]
 
 
 def test_a_finer_picture_is_tried_only_where_it_should_be_fast_enough() -> None:
-    assert Fluency(2).after(0.3 * SLOWEST).level == 1
-    assert Fluency(2).after(0.5 * SLOWEST).level == 2
+    assert Fluency(2).after(0.3 * SLOWEST).number == 1
+    assert Fluency(2).after(0.5 * SLOWEST).number == 2
 
 
-@given(st.integers(1, 4000), st.integers(1, 4000), st.sampled_from(SCALES))
+@given(st.integers(1, 4000), st.integers(1, 4000), st.sampled_from(RESOLUTIONS))
 def test_no_picture_vanishes(width: int, height: int, scale: float) -> None:
     assert min(scaled((width, height), scale)) >= 1
     assert scaled((width, height), 1.0) == (width, height)
@@ -146,14 +146,14 @@ def test_the_canvas_shows_each_half_in_its_place_as_srgb() -> None:
     assert np.abs(alone - encode_srgb(np.clip(first, 0.0, 1.0).astype(float))).max() < 1.0 / 255.0
 
 
-def test_a_coarse_picture_is_blended_and_a_layer_is_not() -> None:
+def test_a_coarse_picture_is_blended_and_a_false_color_image_is_not() -> None:
     black_white = np.zeros((1, 2, 3))
     black_white[:, 1] = 1.0
     picture = composed((Shown(linear_texture(black_white)),), (16, 4))[0, :, 0]
     assert (np.diff(picture) >= 0.0).all() and len(np.unique(picture)) > 4
-    layer = LayerTexture()
-    layer.write(np.array([[[255, 0, 0, 255], [0, 0, 255, 255]]], np.uint8))
-    colors = composed((Shown(linear_texture(black_white), layer.texture),), (16, 4))
+    false_color = FalseColorTexture()
+    false_color.write(np.array([[[255, 0, 0, 255], [0, 0, 255, 255]]], np.uint8))
+    colors = composed((Shown(linear_texture(black_white), false_color.texture),), (16, 4))
     assert (colors[:, :8] == (1, 0, 0)).all() and (colors[:, 8:] == (0, 0, 1)).all()
 
 
@@ -225,26 +225,26 @@ def test_times_at_rest_are_those_of_the_last_picture_that_moved_with_the_devices
     assert dict(showing.phases) == told
 
 
-def test_what_moves_starts_the_picture_over_and_a_layer_does_not(scene: Scene) -> None:
+def test_what_moves_starts_the_picture_over_and_an_aspect_does_not(scene: Scene) -> None:
     showing = Showing()
     showing.update(scene, STATE, SIZE)
     settle(showing)
     before = showing.halves[0].picture
-    assert showing.update(scene, replace(STATE, first=replace(STATE.first, layer=Layer.STATUS)), SIZE)
+    assert showing.update(scene, replace(STATE, first=replace(STATE.first, aspect=Aspect.STATUS)), SIZE)
     assert showing.at_rest and showing.halves[0].picture is before
     settle(showing)
-    layer = showing.halves[0].layer
-    assert layer is not None and layer.size[:2] == SIZE
+    false_color = showing.halves[0].false_color
+    assert false_color is not None and false_color.size[:2] == SIZE
     nearer = replace(STATE.camera, field_of_view=30.0)
     showing.update(scene, replace(STATE, camera=nearer), SIZE)
-    assert showing.samples_done == 0 and showing.halves[0].layer is None
+    assert showing.samples_done == 0 and showing.halves[0].false_color is None
 
 
 def test_errors_are_measured_while_it_moves_and_at_rest(scene: Scene) -> None:
     showing = Showing()
-    state = replace(STATE, first=Half("environment", Layer.ERROR), second=Half("raytrace"), split=True)
+    state = replace(STATE, first=Half("environment", Aspect.ERROR), second=Half("raytrace"), split=True)
     move(showing, scene, state)
-    assert showing.halves[0].layer is not None and showing.halves[1].layer is None
+    assert showing.halves[0].false_color is not None and showing.halves[1].false_color is None
     settle(showing)
     worst = showing.measured["environment"].figures.angular_mrad.max
     assert worst is not None and worst > 1.0
@@ -284,23 +284,23 @@ def drawn_by(monkeypatch: pytest.MonkeyPatch, widest: int = 10**6, seconds: floa
     """The sizes of the pictures that are drawn from now on, by a method with these limits and a clock of its own."""
     sizes: list[tuple[int, int]] = []
 
-    def session(self: MethodPictures, camera: an.Camera, size: tuple[int, int]) -> _Sized:
+    def session(self: MethodImages, camera: an.Camera, size: tuple[int, int]) -> _Sized:
         sizes.append(size)
         return _Sized(size, widest)
 
     for module in ("base.steps", "viewer.showing"):
         monkeypatch.setattr(f"anamorph.{module}.perf_counter", lambda: seconds * len(sizes))
-    monkeypatch.setattr(MethodPictures, "_session", session)
+    monkeypatch.setattr(MethodImages, "_session", session)
     return sizes
 
 
 def test_an_unknown_method_begins_with_the_coarsest_picture_and_a_known_one_does_not(scene, monkeypatch) -> None:
     sizes = drawn_by(monkeypatch)
     showing = Showing()
-    for number in range(len(SCALES)):
+    for number in range(len(RESOLUTIONS)):
         moved = replace(STATE, camera=replace(STATE.camera, field_of_view=40.0 + number))
         showing.update(scene, moved, SIZE)
-    assert sizes == [scaled(SIZE, scale) for scale in reversed(SCALES)]
+    assert sizes == [scaled(SIZE, scale) for scale in reversed(RESOLUTIONS)]
     showing.update(scene, replace(STATE, first=Half("pervertex:bounces=2")), SIZE)
     assert sizes[-1] == SIZE
 
@@ -312,8 +312,8 @@ def test_what_fails_finely_is_shown_coarsely_and_not_tried_again(scene, monkeypa
     settle(showing)
     assert showing.failures == ("too large",)
     shown = showing.halves[0].picture
-    assert shown is not None and shown.size[:2] == scaled(SIZE, SCALES[-1])
-    assert sizes == [scaled(SIZE, SCALES[-1]), SIZE]
+    assert shown is not None and shown.size[:2] == scaled(SIZE, RESOLUTIONS[-1])
+    assert sizes == [scaled(SIZE, RESOLUTIONS[-1]), SIZE]
     showing.update(scene, replace(STATE, camera=replace(STATE.camera, field_of_view=30.0)), SIZE)
     assert showing.failures == ()
 
@@ -324,7 +324,7 @@ def test_a_picture_that_takes_long_comes_by_steps(scene, monkeypatch) -> None:
     showing = Showing()
     showing.update(scene, replace(STATE, samples=1), SIZE)
     settle(showing)
-    assert sizes == [scaled(SIZE, scale) for scale in reversed(SCALES)]
+    assert sizes == [scaled(SIZE, scale) for scale in reversed(RESOLUTIONS)]
 
 
 class _Stepped(_Sized):
@@ -349,10 +349,10 @@ def stepped(monkeypatch: pytest.MonkeyPatch) -> list[an.Camera]:
     """A method that draws in steps, of which a frame has time for one; from where it has drawn."""
     sessions: dict[tuple[int, int], _Stepped] = {}
 
-    def session(self: MethodPictures, camera: an.Camera, size: tuple[int, int]) -> _Stepped:
+    def session(self: MethodImages, camera: an.Camera, size: tuple[int, int]) -> _Stepped:
         return sessions.setdefault(size, _Stepped(size))
 
-    monkeypatch.setattr(MethodPictures, "_session", session)
+    monkeypatch.setattr(MethodImages, "_session", session)
     monkeypatch.setattr("anamorph.viewer.showing.FRAME", 0.0)
     monkeypatch.setattr(_Stepped, "fails", False)
     monkeypatch.setattr(_Stepped, "drawn", [])

@@ -29,10 +29,10 @@ from anamorph.viewer.space import (
     space_marks,
     viewpoint_marks,
     viewpoint_of,
-    wire_marks,
+    wireframe_marks,
 )
 from anamorph.viewer.state import Drawing, Half, State
-from anamorph.viewer.wires import wires_of
+from anamorph.viewer.wireframe import wireframe_of
 
 OPTIONS = Options()
 ASIDE = Camera((1.5, 1.8, 2.5), (0.0, 0.5, 0.0))
@@ -181,28 +181,28 @@ def test_a_view_volume_begins_at_its_near_plane_and_ends_before_the_lines_cross(
 
 
 def test_every_edge_is_a_wire_once():
-    assert len(wires_of(scene_with(flat_mirror())).ends) == 5
-    assert len(wires_of(scene_with(spherical_mirror(count=6))).ends) == 6 * 7 * 2 + 36
-    assert len(wires_of(Scene("none", (box((0, 0, 0), (1, 1, 1)).mesh("box", Diffuse()),), CAMERA)).ends) == 0
+    assert len(wireframe_of(scene_with(flat_mirror())).ends) == 5
+    assert len(wireframe_of(scene_with(spherical_mirror(count=6))).ends) == 6 * 7 * 2 + 36
+    assert len(wireframe_of(Scene("none", (box((0, 0, 0), (1, 1, 1)).mesh("box", Diffuse()),), CAMERA)).ends) == 0
     # Two meshes of one mirror have their common edge once; each of 2 x 2 vertices has 5.
     halves = (
         plane_mirror("wall/left", (-1.0, 0.0, 0.0), (1.0, 0.0, 0.0), (0.0, 1.0, 0.0)),
         plane_mirror("wall/right", (0.0, 0.0, 0.0), (1.0, 0.0, 0.0), (0.0, 1.0, 0.0)),
     )
-    wires = wires_of(scene_with(*halves))
-    ends = {tuple(sorted(map(tuple, pair))) for pair in wires.ends.tolist()}
-    assert len(wires.ends) == len(ends) == 9
+    wireframe = wireframe_of(scene_with(*halves))
+    ends = {tuple(sorted(map(tuple, pair))) for pair in wireframe.ends.tolist()}
+    assert len(wireframe.ends) == len(ends) == 9
     # A closed body: V - E + F = 2, with corners of a box six-fold.
     solid = box((0, 0, 0), (1, 1, 1)).mesh("box", Mirror())
-    assert len(wires_of(Scene("box", (solid,), CAMERA)).ends) == 8 + 12 - 2
+    assert len(wireframe_of(Scene("box", (solid,), CAMERA)).ends) == 8 + 12 - 2
 
 
 def test_wires_are_fainter_from_behind_and_where_they_are_short():
-    wires = wires_of(scene_with(flat_mirror()))
+    wireframe = wireframe_of(scene_with(flat_mirror()))
     front, behind = Camera((0.0, 0.5, 1.0), (0.0, 0.5, 0.0)), Camera((0.0, 0.5, -1.0), (0.0, 0.5, 0.0))
-    alpha = wire_marks(wires, front, (800, 600)).segments.colors[:, 3]
-    assert wire_marks(wires, behind, (800, 600)).segments.colors[:, 3] == pytest.approx(0.3 * alpha)
-    away = wire_marks(wires, replace(front, position=(0.0, 0.5, 60.0)), (800, 600)).segments.colors[:, 3]
+    alpha = wireframe_marks(wireframe, front, (800, 600)).segments.colors[:, 3]
+    assert wireframe_marks(wireframe, behind, (800, 600)).segments.colors[:, 3] == pytest.approx(0.3 * alpha)
+    away = wireframe_marks(wireframe, replace(front, position=(0.0, 0.5, 60.0)), (800, 600)).segments.colors[:, 3]
     assert (away < alpha).all() and (away > 0.0).all()
 
 

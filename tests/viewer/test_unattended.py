@@ -12,8 +12,8 @@ from PIL import Image
 from viewer_hand import Hand
 
 from anamorph.viewer.application import REST_DELAY, UNSEEN
-from anamorph.viewer.starting import start
-from anamorph.viewer.surface import MOST_EVENTS
+from anamorph.viewer.canvas import MOST_EVENTS
+from anamorph.viewer.starting import start_of
 
 
 class Clock:
@@ -48,7 +48,7 @@ def clock() -> Clock:
 @pytest.fixture
 def hand(clock: Clock, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Hand]:
     monkeypatch.chdir(tmp_path)
-    hand = Hand(start("flat-mirror", "environment"), size=(480, 240), later=clock.later)
+    hand = Hand(start_of("flat-mirror", "environment"), size=(480, 240), later=clock.later)
     yield hand
     hand.close()
 
@@ -56,14 +56,14 @@ def hand(clock: Clock, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Itera
 def test_what_is_being_saved_goes_on_while_nothing_is_drawn_and_then_all_is_quiet(hand, clock, tmp_path):
     hand.key("p")
     frames = hand.viewer.frames
-    assert hand.viewer.report()["progress"] is not None
+    assert hand.viewer.snapshot()["progress"] is not None
     saved = tmp_path / "flat-mirror-1.png"
     clock.run_out()
     with Image.open(saved) as picture:
-        assert picture.size == tuple(hand.viewer.report()["full"])
+        assert picture.size == tuple(hand.viewer.snapshot()["full"])
     assert hand.viewer.frames == frames
-    report = hand.viewer.report()
-    assert (report["progress"], report["message"]) == (None, "saved flat-mirror-1.png")
+    snapshot = hand.viewer.snapshot()
+    assert (snapshot["progress"], snapshot["message"]) == (None, "saved flat-mirror-1.png")
 
 
 def test_while_pictures_are_drawn_they_alone_take_the_steps(hand, clock):
@@ -71,9 +71,9 @@ def test_while_pictures_are_drawn_they_alone_take_the_steps(hand, clock):
     time.sleep(REST_DELAY)
     for _ in range(3):
         hand.draw()
-        done = hand.viewer.report()["samples_done"]
+        done = hand.viewer.snapshot()["samples_done"]
         clock.tick()
-        assert hand.viewer.report()["samples_done"] == done
+        assert hand.viewer.snapshot()["samples_done"] == done
         assert [seconds for seconds, _ in clock.due] == [UNSEEN]
 
 
@@ -85,7 +85,7 @@ def test_what_is_stopped_or_closed_does_not_go_on_unseen(hand, clock, tmp_path):
 
 
 def test_imgui_keeps_no_more_events_than_it_can_show_and_then_holds_nothing(hand):
-    imgui = hand.viewer._surface.imgui
+    imgui = hand.viewer._device_canvas.imgui
     hand.send("key_down", key="Shift")
     hand.send("pointer_down", x=300.0, y=100.0, button=1, buttons=(1,))
     hand.draw(3)

@@ -22,7 +22,7 @@ from anamorph.gallery.deforming import deformed, deforming
 from anamorph.gpu.device import adapter_name
 from anamorph.measure.errors import measure
 from anamorph.measure.figures import number
-from anamorph.measure.timing import WARM_UP, Timing, eye_path
+from anamorph.measure.frame_times import WARM_UP, Timing, eye_path
 from anamorph.methods import parse
 from anamorph.methods.protocol import Session
 from anamorph.methods.session import Stage

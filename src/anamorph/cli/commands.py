@@ -115,7 +115,7 @@ def _compare(arguments: argparse.Namespace) -> None:
     _check_distinct(*outputs)
     from anamorph.files.opening import open_scene
     from anamorph.measure.compare import compare
-    from anamorph.measure.report import report_page
+    from anamorph.measure.page import comparison_page
     from anamorph.measure.table import comparison_table, print_table
     from anamorph.methods import METHODS, parse, with_option
 
@@ -129,11 +129,11 @@ def _compare(arguments: argparse.Namespace) -> None:
         for number, spec in enumerate(specs):
             if arguments.tolerance is not None and hasattr(parse(spec)[0].options, "tolerance"):
                 specs[number] = with_option(spec, "tolerance", arguments.tolerance)
-        comparison = compare(scene, specs, size, command=arguments.command_line, progress=report)
+        comparison = compare(scene, specs, size, command=arguments.command_line, report=report)
     if arguments.json:
         save_text(arguments.json, comparison.to_json())
     if arguments.html:
-        save_text(arguments.html, report_page(comparison))
+        save_text(arguments.html, comparison_page(comparison))
     print_table(comparison_table(comparison))
 
 
@@ -141,15 +141,15 @@ def _view(arguments: argparse.Namespace) -> None:
     from anamorph.files.source import Source
     from anamorph.methods import parse
     from anamorph.viewer.backends.choice import show
-    from anamorph.viewer.starting import start
+    from anamorph.viewer.starting import start_of
 
     if arguments.method:
         parse(arguments.method)
     with progress_bar(f"opening {arguments.scene}"):
         source = Source(arguments.scene, face_choice(arguments), arguments.mirror_of)
-        beginning = start(source, arguments.method)
+        start = start_of(source, arguments.method)
     show_errors_of_libraries("uvicorn")
-    show(beginning, arguments.backend, arguments.port, arguments.size)
+    show(start, arguments.backend, arguments.port, arguments.size)
 
 
 def _turntable(arguments: argparse.Namespace) -> None:

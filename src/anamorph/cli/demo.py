@@ -10,7 +10,7 @@ from anamorph.files.opening import open_scene
 from anamorph.files.scene_file import DEFAULT_SIZE
 from anamorph.frame import View
 from anamorph.measure.compare import Comparison, compare
-from anamorph.measure.report import report_page
+from anamorph.measure.page import comparison_page
 from anamorph.rendering import draw_frame
 
 SCENE = "car-mirror"
@@ -23,16 +23,16 @@ PICTURES = {
 """The methods that are measured, at one sample a pixel, and how each is best drawn: its options, and samples a side."""
 
 
-def make_demo(directory: Path, command: str, progress: Report) -> Comparison:
+def make_demo(directory: Path, command: str, report: Report) -> Comparison:
     """Compare the methods and write `index.html` and a PNG of each into `directory`, which is made if need be."""
     directory.mkdir(parents=True, exist_ok=True)
-    progress(0, 1, f"making the scene {SCENE}")
+    report(0, 1, f"making the scene {SCENE}")
     scene, _ = open_scene(SCENE)
-    comparison = compare(scene, tuple(PICTURES), SIZE, command=command, progress=progress)
+    comparison = compare(scene, tuple(PICTURES), SIZE, command=command, report=report)
     for step, (name, (specification, samples)) in enumerate(PICTURES.items()):
-        progress(step, len(PICTURES), f"smooth picture by {name}")
+        report(step, len(PICTURES), f"smooth picture by {name}")
         view = View(scene, scene.camera, SIZE, samples)
         draw_frame(view, specification).save(directory / f"{SCENE}-{name}.png")
     save_text(directory / "comparison.json", comparison.to_json())
-    save_text(directory / "index.html", report_page(comparison))
+    save_text(directory / "index.html", comparison_page(comparison))
     return comparison

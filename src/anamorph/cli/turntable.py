@@ -17,7 +17,7 @@ from anamorph.scene.model import Scene
 from anamorph.viewer.facts import Progress
 from anamorph.viewer.remembered import LEAST
 from anamorph.viewer.turntable import FRAMES, RATE, between, orbit, turntable
-from anamorph.viewer.views import views_of
+from anamorph.viewer.view_table import views_of
 
 
 def save_turntable(

@@ -35,7 +35,7 @@ class Settings:
     method : str
         NAME[:option=value,...], as after -m on the command line.
     view : Table, optional
-        What the viewer noted in the file of how it showed the scene; `viewer/views.py` reads it.
+        What the viewer noted in the file of how it showed the scene; `viewer/view_table.py` reads it.
     """
 
     size: tuple[int, int] = DEFAULT_SIZE

@@ -128,7 +128,7 @@ def save_view(
     edits : mapping of str to Edit
         What has been changed, by the name of the part.
     view : mapping
-        What else `viewer/views.py` wants to find again.
+        What else `viewer/view_table.py` wants to find again.
 
     Raises
     ------

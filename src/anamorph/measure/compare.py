@@ -3,18 +3,19 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Generator, Sequence
+from collections.abc import Generator, Sequence
 from dataclasses import asdict, dataclass, replace
 from typing import Any
 
+from anamorph.base.progress import Report
 from anamorph.base.steps import Step, drain, mapped
 from anamorph.base.versions import versions
 from anamorph.files.scene_file import DEFAULT_SIZE
 from anamorph.frame import Frame, View
 from anamorph.gpu.device import adapter_name
 from anamorph.measure.errors import Errors, measure
+from anamorph.measure.frame_times import Timing, eye_path, timing_rounds
 from anamorph.measure.status import status_shares
-from anamorph.measure.timing import Timing, eye_path, timing_rounds
 from anamorph.methods import parse
 from anamorph.methods.protocol import Session
 from anamorph.scene.model import Scene
@@ -24,9 +25,6 @@ COMPETITOR = "raytrace"
 
 PLAIN = "environment"
 """Draws a scene that has no mirror as it is, one pass and nothing besides."""
-
-Progress = Callable[[int, int, str], None]
-"""Told the steps done, their number, and what is being done now."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -110,12 +108,12 @@ class Comparison:
 
 def compare(
     scene: Scene,
-    specs: Sequence[str],
+    methods: Sequence[str],
     size: tuple[int, int] = DEFAULT_SIZE,
     truth: str = "raytrace",
     frames: int = 30,
     command: str = "",
-    progress: Progress | None = None,
+    report: Report | None = None,
 ) -> Comparison:
     """Draw a scene by each method, measure it against the truth, and time it.
 
@@ -123,7 +121,7 @@ def compare(
     ----------
     scene : Scene
         Seen by its own camera.
-    specs : sequence of str
+    methods : sequence of str
         Methods, each "NAME" or "NAME:option=value,...". The competitor, `raytrace`, is always added.
     size : (width, height)
     truth : str
@@ -132,19 +130,20 @@ def compare(
         How many frames are timed, at least; all methods take turns.
     command : str
         Kept in the result.
-    progress : callable, optional
+    report : callable, optional
+        Hears how far the work is.
 
     Returns
     -------
     Comparison
     """
-    steps = comparison_steps(scene, specs, size, truth, frames, command)
-    return drain(steps, lambda step: progress(*step) if progress else None)
+    steps = comparison_steps(scene, methods, size, truth, frames, command)
+    return drain(steps, lambda step: report(*step) if report else None)
 
 
 def comparison_steps(
     scene: Scene,
-    specs: Sequence[str],
+    methods: Sequence[str],
     size: tuple[int, int] = DEFAULT_SIZE,
     truth: str = "raytrace",
     frames: int = 30,
@@ -154,7 +153,7 @@ def comparison_steps(
 
     What is drawn elsewhere between two steps must have finished before the next, or it would count as a method's time.
     """
-    names = tuple(dict.fromkeys((*specs, COMPETITOR)))
+    names = tuple(dict.fromkeys((*methods, COMPETITOR)))
     chosen = {name: parse(name) for name in (*names, truth)}
     total = 2 * len(names) + 1
     view = View(scene, scene.camera, size)
@@ -174,8 +173,8 @@ def comparison_steps(
     # Under a name that no method has.
     timed = {name: sessions[name] for name in names} | _without_mirrors(view)
 
-    def as_step(turn: tuple[int, int]) -> Step:
-        done, rounds = turn
+    def as_step(timed_so_far: tuple[int, int]) -> Step:
+        done, rounds = timed_so_far
         step = len(names) + 1 + len(names) * done // rounds
         return step, total, f"frame times, round {done} of {rounds}"
 

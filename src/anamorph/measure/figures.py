@@ -83,7 +83,7 @@ def rows_of(comparison: Comparison) -> tuple[Row, ...]:
     shares = {result.name: status_shares(result.frame, result.errors.maps.specular) for result in comparison.methods}
     given = {status for share in shares.values() for status in share}
     statuses = [status for status in STATUS_NAMES if status in given]
-    named = dict.fromkeys(name for result in comparison.methods for name in result.frame.figures)
+    figures = dict.fromkeys(name for result in comparison.methods for name in result.frame.figures)
 
     def status_row(status: str) -> Row:
         return Row(f"pixels: {status}", "%", lambda _, result: number(shares[result.name].get(status, 0.0)))
@@ -92,4 +92,4 @@ def rows_of(comparison: Comparison) -> tuple[Row, ...]:
         label, unit = name.removesuffix("_percent"), "%" if name.endswith("_percent") else ""
         return Row(label.replace("_", " "), unit, lambda _, result: count_or_number(result.frame.figures.get(name)))
 
-    return (*ROWS, *map(status_row, statuses), *map(figure_row, named))
+    return (*ROWS, *map(status_row, statuses), *map(figure_row, figures))

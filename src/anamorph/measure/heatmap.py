@@ -53,15 +53,15 @@ def scale_colors(errors: np.ndarray, scale: Scale = MILLIRADIANS) -> np.ndarray:
 
 def heat_map(maps: ErrorMaps, truth_color: np.ndarray) -> np.ndarray:
     """Angular errors over the truth in faint grey: 8-bit sRGB, (H, W, 3) uint8."""
-    return heat_layer(maps, truth_color)[..., :3]
+    return heat_colors(maps, truth_color)[..., :3]
 
 
-def heat_layer(maps: ErrorMaps, truth_color: np.ndarray, scale: Scale = MILLIRADIANS) -> np.ndarray:
+def heat_colors(maps: ErrorMaps, truth_color: np.ndarray, scale: Scale = MILLIRADIANS) -> np.ndarray:
     """Errors on either scale over the truth in faint grey: opaque 8-bit sRGB, (H, W, 4) uint8."""
-    layer = faint(truth_color)
+    colors = faint(truth_color)
     errors = maps.pixels if scale == PIXELS else maps.angular
-    np.copyto(packed(layer), _heat(scale)[_upper_half(errors)], where=maps.specular)
-    return layer
+    np.copyto(packed(colors), _heat(scale)[_upper_half(errors)], where=maps.specular)
+    return colors
 
 
 def faint(color: np.ndarray) -> np.ndarray:

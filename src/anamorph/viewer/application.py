@@ -18,23 +18,23 @@ from anamorph.gpu.device import adapter_name, forget_lost_device
 from anamorph.projection import camera_projection
 from anamorph.scene.model import Scene
 from anamorph.viewer import starting
+from anamorph.viewer.canvas import DeviceCanvas
 from anamorph.viewer.controls import edited
 from anamorph.viewer.facts import Facts, Request
-from anamorph.viewer.failures import told
-from anamorph.viewer.gestures import NO_GRIP, counted_from, cursor, handle
+from anamorph.viewer.failures import failure_text
 from anamorph.viewer.home import Home
+from anamorph.viewer.inspector import Inspector
 from anamorph.viewer.job import Job
 from anamorph.viewer.layout import in_pixels, inside, picture_area
-from anamorph.viewer.looking import Looking
 from anamorph.viewer.marks import NO_MARKS
 from anamorph.viewer.panel.panel import Drawn, draw_panel
-from anamorph.viewer.reports import report
+from anamorph.viewer.pointer import Pointer
 from anamorph.viewer.shortcuts import press
 from anamorph.viewer.showing import Showing
+from anamorph.viewer.snapshot import snapshot
 from anamorph.viewer.space import Space, space_marks
 from anamorph.viewer.starting import Start, carried_over
 from anamorph.viewer.state import State, looking_eye, shown_camera
-from anamorph.viewer.surface import Surface
 from anamorph.viewer.tasks import Shot, saving_of
 
 SETTLING = 3
@@ -83,7 +83,7 @@ class Viewer:
         self._job: Job | None = None
         # One in a notebook may begin long after the device was made.
         forget_lost_device()
-        self._surface = Surface(self._canvas)
+        self._device_canvas = DeviceCanvas(self._canvas)
         self._handlers = {
             self._on_pointer: ("pointer_down", "pointer_move", "pointer_up", "wheel", "double_click"),
             self._on_key: ("key_down",),
@@ -94,8 +94,7 @@ class Viewer:
             canvas.add_event_handler(handler, *types)
         self.frames = 0
         self._settling = SETTLING
-        self._pressed_at = 0.0
-        self._cursor = "default"
+        self._pointer = Pointer()
         self._closed = False
         self._begin(start, start.state)
         canvas.request_draw(self._draw)
@@ -114,7 +113,7 @@ class Viewer:
         self._home = Home(start.state, start.opened.scene)
         self._scene = start.opened.scene
         self._values: object = {}
-        self._grip = NO_GRIP
+        self._pointer.let_go()
         self._drawn: Drawn | None = None
         self._asked: tuple[str, int] | None = None
         self._let_go()
@@ -131,9 +130,9 @@ class Viewer:
         self._settling = max(self._settling, SETTLING)
         self._canvas.request_draw()
 
-    def report(self) -> dict[str, Any]:
+    def snapshot(self) -> dict[str, Any]:
         """What the viewer shows, and where: plain data, for scripts and tests."""
-        return report(self._facts(), self.state, self._drawn, self.frames, self._showing.finished)
+        return snapshot(self._facts(), self.state, self._drawn, self.frames, self._showing.finished)
 
     def close(self) -> None:
         """End what runs, and let go of the canvas, and of everything on the device and in imgui."""
@@ -142,14 +141,14 @@ class Viewer:
             for handler, types in self._handlers.items():
                 self._canvas.remove_event_handler(handler, *types)
             self._let_go()
-            self._surface.close()
+            self._device_canvas.close()
 
     def _let_go(self) -> None:
         """Of everything that belongs to a scene, or to a device that may be lost."""
         self._stop_saving()
         self._showing, self._space = Showing(), Space(self._scene)
         self._marked: object = None
-        self._looking = Looking()
+        self._inspector = Inspector()
         self._changed_at, self._refined_at = 0.0, np.inf
 
     def _on_any(self, event: dict[str, Any]) -> None:
@@ -160,17 +159,13 @@ class Viewer:
         self.refresh()
         if event["event_type"] != "pointer_move":
             self._settling = min(self._settling + 1, MOST_SETTLING)
-        self._surface.take(event)
+        self._device_canvas.take(event)
 
     def _on_close(self, event: dict[str, Any]) -> None:
         self.close()
 
     def _on_pointer(self, event: dict[str, Any]) -> None:
-        if event["event_type"] in ("pointer_down", "pointer_up"):
-            # Of a release too: a page that takes over begins with one, and every page has a clock of its own.
-            self._pressed_at = event.get("time_stamp", 0.0)
-        elif event.get("time_stamp", 0.0) < self._pressed_at and event["event_type"] == "pointer_move":
-            # A page holds moves back for a while, and sends presses at once.
+        if self._pointer.is_late(event):
             return
         self._take(event)
         follows = event["event_type"] in ("pointer_move", "pointer_up")
@@ -181,15 +176,9 @@ class Viewer:
             self._later(TIP_DELAY, self.refresh)
         if over_panel and not follows:
             return
-        left, top, right, bottom = self._area
-        size = right - left, bottom - top
-        within = counted_from(event, left, top)
-        self._grip, self.state = handle(within, self._grip, self.state, size, self._home)
-        shape = cursor(within, self.state, size, self._grip)
-        if shape != self._cursor:
-            # Each is a message to every page: the slow ones' would pile up.
-            self._cursor = shape
-            self._canvas.set_cursor(shape)
+        self.state, cursor = self._pointer.handle(event, self.state, self._area, self._home)
+        if cursor is not None:
+            self._canvas.set_cursor(cursor)
 
     def _on_key(self, event: dict[str, Any]) -> None:
         self._take(event)
@@ -213,7 +202,7 @@ class Viewer:
             return
         # To ask a window for its texture on a lost device would end the process.
         forget_lost_device()
-        if self._surface.outlived:
+        if self._device_canvas.outlived:
             self._recover()
         # Each for itself: whatever fails, the panel is there to say so.
         for step in (self._open_asked, self._show_panel, self._advance, self._mark, self._paint):
@@ -230,11 +219,11 @@ class Viewer:
             # A window that cannot be drawn into now; the canvas tries again.
             raise
         except Exception as error:
-            self._tell(told(error, "drawing"))
+            self._show_message(failure_text(error, "drawing"))
             if isinstance(error, wgpu.GPUError):
                 self._let_go()
 
-    def _tell(self, message: str) -> None:
+    def _show_message(self, message: str) -> None:
         """Show a message that may come up again with every frame, without a frame for each."""
         if message != self.message:
             self.message = message
@@ -244,7 +233,7 @@ class Viewer:
         """Go on with a new device, because the old one is lost, with everything opened anew."""
         self._let_go()
         # Closed last: where there is no other device, events go on to reach the old one.
-        self._surface, old = Surface(self._canvas), self._surface
+        self._device_canvas, old = DeviceCanvas(self._canvas), self._device_canvas
         old.close()
         self.message = "the graphics device was lost; this is drawn with a new one"
 
@@ -283,24 +272,24 @@ class Viewer:
         pixels = self._pixels
         clip = camera_projection(shown_camera(self.state), (max(pixels[2], 1), max(pixels[3], 1))).clip
         ratio = self._canvas.get_pixel_ratio()
-        self._surface.draw(pixels, self._showing.halves, self.state.divider, clip, ratio)
+        self._device_canvas.draw(pixels, self._showing.halves, self.state.divider, clip, ratio)
 
     def _mark(self) -> None:
         """Put into space what is to be drawn there, where that has changed."""
-        size, looking = self._pixels[2:], looking_eye(self.state)
+        size, eye = self._pixels[2:], looking_eye(self.state)
         if not self._scene.meshes or min(size) < 1:
             return
-        inspection = self._looking.update(self._space, self.state, size, self._showing)
+        inspection = self._inspector.update(self._space, self.state, size, self._showing)
         methods = tuple(half.method for half in self.state.halves)
-        marked = (self._scene, self.state.drawings, self.state.observer, methods, looking, size, inspection)
+        marked = (self._scene, self.state.drawings, self.state.observer, methods, eye, size, inspection)
         if marked != self._marked:
             self._marked = marked
             # Should the new ones fail, the old ones must not stay.
-            self._surface.mark(NO_MARKS)
-            self._surface.mark(space_marks(self._space, self.state, looking, size, inspection))
+            self._device_canvas.mark(NO_MARKS)
+            self._device_canvas.mark(space_marks(self._space, self.state, eye, size, inspection))
 
     def _show_panel(self) -> None:
-        self._surface.panel(self._draw_panel)
+        self._device_canvas.panel(self._draw_panel)
 
     def _draw_panel(self) -> None:
         self._drawn = draw_panel(self.state, self._facts())
@@ -317,7 +306,7 @@ class Viewer:
         """Open what was asked for, which may take seconds, once it is seen that this is being done."""
         if self._asked is not None and self.frames >= self._asked[1] + SETTLING:
             name, self._asked = self._asked[0], None
-            self.open(starting.start(os.path.expanduser(name)))
+            self.open(starting.start_of(os.path.expanduser(name)))
 
     def _edited_scene(self) -> Scene:
         """The scene with what its controls have been set to; where that cannot be, the last one that could."""
@@ -374,7 +363,7 @@ class Viewer:
         """The picture as it is shown, without the panel, (H, W, 3) uint8 sRGB."""
         size, ratio = self._pixels[2:], self._canvas.get_pixel_ratio()
         clip = camera_projection(shown_camera(self.state), size).clip
-        return self._surface.picture(size, self._showing.halves, self.state.divider, clip, ratio)
+        return self._device_canvas.picture(size, self._showing.halves, self.state.divider, clip, ratio)
 
     def _facts(self) -> Facts:
         showing, width_height = self._showing, self._pixels[2:]
@@ -392,7 +381,7 @@ class Viewer:
             samples_done=showing.samples_done,
             samples_total=self.state.samples**2 if self.state.samples > 1 else 0,
             figures=tuple(each.figures if each else None for each in measured),
-            inspection=self._looking.inspection,
+            inspection=self._inspector.inspection,
             message=" ".join(filter(None, (self.message, *showing.failures))),
             progress=self._job.progress if self._job else None,
         )

@@ -1,4 +1,4 @@
-"""The canvas from its halves: pictures and layers side by side, with sRGB for the screen."""
+"""The canvas from its halves: images and false-colour images side by side, with sRGB for the screen."""
 
 from __future__ import annotations
 
@@ -13,15 +13,15 @@ from anamorph.gpu.bindings import SAMPLER, bind, layout_of, texture
 from anamorph.gpu.device import get_device, of_device
 from anamorph.gpu.targets import COLOR_FORMAT, PIXEL_FORMAT, make_texture
 
-FRAGMENTS = ("sharp_picture", "blended_picture", "layer")
+FRAGMENTS = ("sharp_picture", "blended_picture", "false_color")
 
 
 @dataclass(frozen=True, eq=False)
 class Shown:
-    """What one half of the canvas shows: its picture, or in its place a layer of the colours of figures, or nothing."""
+    """What one half of the canvas shows: its picture, or in its place a false-colour image, or nothing."""
 
     picture: wgpu.GPUTexture | None = None
-    layer: wgpu.GPUTexture | None = None
+    false_color: wgpu.GPUTexture | None = None
 
 
 @of_device
@@ -93,11 +93,11 @@ class Composer:
         render_pass.set_viewport(left, top, width, height, 0.0, 1.0)
         middle = round(width * divider) if len(halves) > 1 else width
         for half, bound, (start, stop) in zip(halves, self._bound, ((0, middle), (middle, width)), strict=False):
-            shown = half.layer or half.picture
+            shown = half.false_color or half.picture
             if shown is None or stop <= start:
                 continue
             sharp = shown.size[:2] == (width, height)
-            name = "layer" if half.layer else "sharp_picture" if sharp else "blended_picture"
+            name = "false_color" if half.false_color else "sharp_picture" if sharp else "blended_picture"
             render_pass.set_scissor_rect(left + start, top, stop - start, height)
             render_pass.set_pipeline(self._pipelines[name])
             render_pass.set_bind_group(0, bound.group(shown))
@@ -144,8 +144,8 @@ def _averaging() -> wgpu.GPURenderPipeline:
     return _pipeline("copied", {"format": COLOR_FORMAT, "blend": {"color": mixed, "alpha": mixed}})
 
 
-class LayerTexture:
-    """Figures as colours, (H, W, 4) uint8 sRGB, on the device."""
+class FalseColorTexture:
+    """A false-colour image, (H, W, 4) uint8 sRGB, on the device."""
 
     def __init__(self) -> None:
         self.texture: wgpu.GPUTexture | None = None

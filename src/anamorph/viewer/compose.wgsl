@@ -1,4 +1,4 @@
-// A half of the picture's area: a picture in linear colour, or a layer of colours as they are.
+// A half of the picture's area: an image in linear colour, or a false-colour image as it is.
 
 @group(0) @binding(0) var source: texture_2d<f32>;
 @group(0) @binding(1) var smooth_sampler: sampler;
@@ -36,9 +36,9 @@ fn blended_picture(corner: Corner) -> @location(0) vec4f {
     return encode_srgb(textureSampleLevel(source, smooth_sampler, corner.place, 0.0).rgb);
 }
 
-// A layer's colours are figures, which must not be blended.
+// The colours of a false-colour image are figures, which must not be blended.
 @fragment
-fn layer(corner: Corner) -> @location(0) vec4f {
+fn false_color(corner: Corner) -> @location(0) vec4f {
     return nearest(corner.place);
 }
 

@@ -206,12 +206,12 @@ def with_eye(camera: Camera, key: str, value: float) -> Camera:
 
 def option_controls(method: Method) -> tuple[OptionControl, ...]:
     """The options of a method, in their order."""
-    told = summaries(method.options)
+    texts = summaries(method.options)
 
     def control(field: dataclasses.Field[Any]) -> OptionControl:
         limits = limits_of(field)
         kind = "choice" if limits.choices else KINDS.get(type(field.default), "word")
-        summary = told.get(field.name, "")
+        summary = texts.get(field.name, "")
         return OptionControl(
             field.name, kind, field.default, limits.choices, limits.low, limits.high, limits.unit, summary
         )

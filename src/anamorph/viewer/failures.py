@@ -12,7 +12,7 @@ LONGEST = 200
 """Letters of what a library says; the rest is in the log."""
 
 
-def told(error: Exception, what: str) -> str:
+def failure_text(error: Exception, what: str) -> str:
     """One line on an error; what no user can mend goes into the log with its place in the code.
 
     Parameters

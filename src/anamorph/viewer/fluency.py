@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-SCALES = (1.0, 0.75, 0.5, 0.35, 0.25)
+RESOLUTIONS = (1.0, 0.75, 0.5, 0.35, 0.25)
 """Pixels of the picture for each of the canvas, along one axis."""
 
 SLOWEST = 50.0
@@ -22,40 +22,40 @@ PATIENCE = 2
 
 @dataclass(frozen=True)
 class Fluency:
-    """The scale of pictures that move, by its number in `SCALES`, and how many slow frames there were in turn."""
+    """The resolution of pictures that move, by its number in `RESOLUTIONS`, and how many frames in turn were slow."""
 
-    level: int = 0
+    number: int = 0
     slow: int = 0
 
     @property
-    def scale(self) -> float:
+    def resolution(self) -> float:
         """Pixels of the picture for each of the canvas, along one axis."""
-        return SCALES[self.level]
+        return RESOLUTIONS[self.number]
 
     def after(self, milliseconds: float) -> Fluency:
-        """What the next frame should be drawn at, when one at this scale took so long."""
+        """What the next frame should be drawn at, when one at this resolution took so long."""
         if milliseconds > SLOWEST:
             if self.slow + 1 < PATIENCE:
-                return Fluency(self.level, self.slow + 1)
+                return Fluency(self.number, self.slow + 1)
             return Fluency(self._fast_enough(milliseconds))
-        if self.level > 0 and self._expected(milliseconds, self.level - 1) < MARGIN * SLOWEST:
-            return Fluency(self.level - 1)
-        return Fluency(self.level)
+        if self.number > 0 and self._expected(milliseconds, self.number - 1) < MARGIN * SLOWEST:
+            return Fluency(self.number - 1)
+        return Fluency(self.number)
 
     def _fast_enough(self, milliseconds: float) -> int:
-        last = len(SCALES) - 1
-        coarser = range(min(self.level + 1, last), last)
-        return next((level for level in coarser if self._expected(milliseconds, level) <= SLOWEST), last)
+        last = len(RESOLUTIONS) - 1
+        coarser = range(min(self.number + 1, last), last)
+        return next((number for number in coarser if self._expected(milliseconds, number) <= SLOWEST), last)
 
-    def _expected(self, milliseconds: float, level: int) -> float:
-        """What a frame would take at another level, if all its time went to pixels."""
-        return milliseconds * (SCALES[level] / self.scale) ** 2
-
-
-COARSEST = Fluency(len(SCALES) - 1)
+    def _expected(self, milliseconds: float, number: int) -> float:
+        """What a frame would take at another resolution, if all its time went to pixels."""
+        return milliseconds * (RESOLUTIONS[number] / self.resolution) ** 2
 
 
-def scaled(size: tuple[int, int], scale: float) -> tuple[int, int]:
-    """The size (width, height) of a picture at `scale`, in whole pixels."""
+COARSEST = Fluency(len(RESOLUTIONS) - 1)
+
+
+def scaled(size: tuple[int, int], resolution: float) -> tuple[int, int]:
+    """The size (width, height) of a picture at a resolution, in whole pixels."""
     width, height = size
-    return max(round(width * scale), 1), max(round(height * scale), 1)
+    return max(round(width * resolution), 1), max(round(height * resolution), 1)

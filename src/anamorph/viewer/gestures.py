@@ -18,7 +18,7 @@ import numpy as np
 from anamorph.scene.camera import Camera
 from anamorph.viewer.home import Home, reset_view
 from anamorph.viewer.navigation import look, magnify, orbit, pan, steer, zoom
-from anamorph.viewer.state import State, looking_into
+from anamorph.viewer.state import State, with_picked
 
 GESTURES: tuple[tuple[str, str], ...] = (
     ("Drag", "orbit"),
@@ -232,9 +232,9 @@ def _picked(state: State, point: Point, size: Size) -> State:
     # From outside, the eye's point is none of the picture that is clicked into.
     here = state.picked if state.picked_outside is (state.observer is not None) else None
     if here is not None and _apart(point, (here[0] * width, here[1] * height)) <= CLICK_REACH:
-        return looking_into(state, None)
+        return with_picked(state, None)
     x, y = np.clip(np.divide(point, (width, height)), 0.0, 1.0).tolist()
-    return looking_into(state, (x, y))
+    return with_picked(state, (x, y))
 
 
 def _divided(grip: Grip, state: State, point: Point, size: Size) -> tuple[Grip, State]:

@@ -124,9 +124,9 @@ def _name(scene: Scene, number: int, position: np.ndarray) -> str:
     return SKY if position.any() else NOTHING
 
 
-def _length(path: Sequence[Stop], point: Vector, bends: bool) -> float:
+def _length(path: Sequence[Stop], point: Vector, specular: bool) -> float:
     """Along the true path's surfaces to `point`, or straight there."""
-    points = np.array([*(stop.point for stop in (path[:-1] if bends else path[:1])), point])
+    points = np.array([*(stop.point for stop in (path[:-1] if specular else path[:1])), point])
     return float(np.linalg.norm(np.diff(points, axis=0), axis=1).sum())
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from time import perf_counter
 
 from anamorph.viewer.facts import Progress
-from anamorph.viewer.failures import told
+from anamorph.viewer.failures import failure_text
 from anamorph.viewer.saving import Saving
 
 SHARE = 0.025
@@ -38,7 +38,7 @@ class Job:
         except StopIteration as end:
             return str(end.value)
         except Exception as error:
-            return told(error, "saving")
+            return failure_text(error, "saving")
         return None
 
     def stop(self) -> None:

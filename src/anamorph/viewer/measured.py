@@ -1,6 +1,6 @@
-"""How wrong what one half shows is: its errors against the truth, and the layers that show them over the picture.
+"""How wrong what one half shows is: its errors against the truth, and the false-colour images that show them.
 
-Layers are 8-bit sRGB. The truth, or the picture, stays behind them in a grey that none of their colours comes near.
+These are 8-bit sRGB. The truth, or the picture, stays behind them in a grey that none of their colours comes near.
 """
 
 from __future__ import annotations
@@ -14,20 +14,20 @@ import numpy as np
 from anamorph.base.errors import AnamorphError
 from anamorph.frame import Frame, Status
 from anamorph.measure.errors import ErrorMaps, error_maps, geometry_statistics
-from anamorph.measure.heatmap import MILLIRADIANS, PIXELS, Scale, faint, heat_layer, opaque, packed
+from anamorph.measure.heatmap import MILLIRADIANS, PIXELS, Scale, faint, heat_colors, opaque, packed
 from anamorph.measure.status import status_shares
 from anamorph.viewer.facts import Figures
 
 Color = tuple[int, int, int]
 
 SCALES: Mapping[str, Scale] = {scale.unit: scale for scale in (MILLIRADIANS, PIXELS)}
-"""Of the error layer, by `State.unit`."""
+"""Of the false-colour image of errors, by `State.unit`."""
 
 OTHER_OBJECT: Color = (255, 0, 255)
 SILHOUETTE: Color = (0, 0, 0)
 
-ERROR_MARKS: Mapping[str, Color] = {"sees another object": OTHER_OBJECT, "at a silhouette": SILHOUETTE}
-"""What has a colour of its own in the error layer, for its legend."""
+ERROR_COLORS: Mapping[str, Color] = {"sees another object": OTHER_OBJECT, "at a silhouette": SILHOUETTE}
+"""What has a colour of its own among the errors, for their legend."""
 
 STATUS_COLORS: dict[Status, Color] = {
     Status.DIRECT: (225, 225, 225),
@@ -39,7 +39,7 @@ STATUS_COLORS: dict[Status, Color] = {
     Status.OUTSIDE: (0, 0, 0),
     Status.PROJECTED: (120, 25, 150),
 }
-"""Of the status layer; the colour-blind, too, tell them apart. Direct pixels show the picture, in about this grey."""
+"""Of statuses; the colour-blind, too, tell them apart. Direct pixels show the picture, in about this grey."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -73,30 +73,30 @@ def measure_half(truth: Frame, frame: Frame) -> Measured:
     return Measured(frame, truth, maps, figures)
 
 
-def error_layer(measured: Measured, unit: str) -> np.ndarray:
+def error_colors(measured: Measured, unit: str) -> np.ndarray:
     """The error of each pixel over the truth in faint grey, (H, W, 4) uint8, in "mrad" or "px": see `scale_ticks`."""
     maps = measured.maps
-    layer = heat_layer(maps, measured.truth.color, _scale(unit))
+    colors = heat_colors(maps, measured.truth.color, _scale(unit))
     for marked, color in ((maps.silhouette, SILHOUETTE), (maps.other_object, OTHER_OBJECT)):
-        np.copyto(packed(layer), opaque(np.array(color, np.uint8)), where=marked)
-    return layer
+        np.copyto(packed(colors), opaque(np.array(color, np.uint8)), where=marked)
+    return colors
 
 
-def status_layer(frame: Frame) -> np.ndarray:
+def status_colors(frame: Frame) -> np.ndarray:
     """How each pixel got its value, (H, W, 4) uint8, in `STATUS_COLORS`; what is seen directly shows the picture."""
     if frame.status is None or frame.specular is None:
         raise AnamorphError("frame: has no 'status' buffer; draw it with seen=True")
-    layer = faint(frame.color)
+    colors = faint(frame.color)
     bent = frame.status != Status.DIRECT
     if not frame.ray_mesh:
         # The sky beside a mirror is seen directly, and has a status of its own.
         bent &= (frame.specular != 0) | (frame.status != Status.SKY)
-    np.copyto(packed(layer), _status_colors()[frame.status], where=bent)
-    return layer
+    np.copyto(packed(colors), _packed_status_colors()[frame.status], where=bent)
+    return colors
 
 
 def scale_ticks(unit: str) -> tuple[tuple[float, str], ...]:
-    """Of the error layer's scale: places from 0, its lowest end, to 1, and their labels."""
+    """Of the scale of errors: places from 0, its lowest end, to 1, and their labels."""
     ticks = _scale(unit).ticks
     return tuple((number / (len(ticks) - 1), f"{tick:g}") for number, tick in enumerate(ticks))
 
@@ -108,7 +108,7 @@ def _scale(unit: str) -> Scale:
 
 
 @cache
-def _status_colors() -> np.ndarray:
+def _packed_status_colors() -> np.ndarray:
     """Packed, by status."""
     colors = np.zeros((256, 3), np.uint8)
     for status, color in STATUS_COLORS.items():

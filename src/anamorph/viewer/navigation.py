@@ -118,12 +118,12 @@ def _turned(vector: np.ndarray, pole: Vector, around: float, up: float) -> np.nd
     axis = np.asarray(pole, float) / np.linalg.norm(pole)
     length = np.linalg.norm(vector)
     height = float(vector @ axis)
-    level = vector - height * axis
-    reach = float(np.linalg.norm(level))
+    horizontal = vector - height * axis
+    reach = float(np.linalg.norm(horizontal))
     rise = np.clip(np.arctan2(height, reach) + up, -STEEPEST, STEEPEST)
-    level = level / reach
-    level = np.cos(around) * level + np.sin(around) * np.cross(axis, level)
-    return length * (np.cos(rise) * level + np.sin(rise) * axis)
+    horizontal = horizontal / reach
+    horizontal = np.cos(around) * horizontal + np.sin(around) * np.cross(axis, horizontal)
+    return length * (np.cos(rise) * horizontal + np.sin(rise) * axis)
 
 
 def _tuple(vector: np.ndarray) -> Vector:

@@ -44,8 +44,8 @@ FLAT = 0.3
 
 
 @dataclass(frozen=True, eq=False)
-class _Sight:
-    """What an eye looks at.
+class _Subject:
+    """What the observer's picture is about: an eye, and what it looks at.
 
     Parameters
     ----------
@@ -63,7 +63,7 @@ class _Sight:
     corners: np.ndarray
     facing: np.ndarray
 
-    def shortened(self, share: float) -> _Sight:
+    def shortened(self, share: float) -> _Subject:
         """With less beyond the mirror."""
         return replace(self, end=self.middle + share * (self.end - self.middle))
 
@@ -73,7 +73,7 @@ class _Sight:
         return np.stack([self.eye, self.end, *self.corners])
 
     @property
-    def marks(self) -> np.ndarray:
+    def unhidden(self) -> np.ndarray:
         """What nothing should hide from the observer, (3, 3): the mirror by a point before it."""
         before = self.middle + 0.6 * np.linalg.norm(np.ptp(self.corners, axis=0)) * self.facing
         return np.stack([self.eye, before, self.end])
@@ -93,21 +93,21 @@ def first_observer(scene: Scene, camera: Camera) -> Camera:
         The eye.
     """
     caster = Caster(flatten(scene)) if scene.meshes else None
-    sight = _sight(scene, camera, caster)
+    subject = _subject_of(scene, camera, caster)
     up = np.asarray(camera.up, float) / np.linalg.norm(camera.up)
     right = camera.axes()[0]
     back = np.cross(right, up)
     # On the side that a mirror turns to, its face is seen and not its back.
-    side = -1.0 if sight.facing @ right < 0.0 else 1.0
+    side = -1.0 if subject.facing @ right < 0.0 else 1.0
     candidates = []
-    for share, above, turn, aside in product(SHARES, ABOVE, (side, -side), ASIDE):
-        level = np.cos(aside) * back + turn * np.sin(aside) * right
-        toward = np.cos(above) * level + np.sin(above) * up
-        candidates.append(_observer(sight.shortened(share), toward, camera.up, caster))
-    return max(candidates, key=lambda observer: _merit(observer, sight, caster))
+    for share, above, sideways, aside in product(SHARES, ABOVE, (side, -side), ASIDE):
+        horizontal = np.cos(aside) * back + sideways * np.sin(aside) * right
+        toward = np.cos(above) * horizontal + np.sin(above) * up
+        candidates.append(_observer(subject.shortened(share), toward, camera.up, caster))
+    return max(candidates, key=lambda observer: _merit(observer, subject, caster))
 
 
-def _sight(scene: Scene, camera: Camera, caster: Caster | None) -> _Sight:
+def _subject_of(scene: Scene, camera: Camera, caster: Caster | None) -> _Subject:
     eye, forward = np.asarray(camera.position, float), camera.axes()[2]
     boxes = []
     for part in specular_parts(scene.meshes).values():
@@ -116,26 +116,26 @@ def _sight(scene: Scene, camera: Camera, caster: Caster | None) -> _Sight:
         boxes.append((group, positions.min(axis=0), positions.max(axis=0)))
     if not boxes:
         target = np.asarray(camera.target, float)
-        return _Sight(eye, target, target, np.tile(target, (8, 1)), -forward)
+        return _Subject(eye, target, target, np.tile(target, (8, 1)), -forward)
     group, low, high = max(boxes, key=lambda box: float(_unit((box[1] + box[2]) / 2.0 - eye) @ forward))
     middle, looking = (low + high) / 2.0, _unit((low + high) / 2.0 - eye)
     meshes = [scene.meshes[index] for index in group]
     normal = np.concatenate([mesh.normals for mesh in meshes]).astype(float).mean(axis=0)
-    bends = any(isinstance(mesh.material, Glass) for mesh in meshes)
+    refracts = any(isinstance(mesh.material, Glass) for mesh in meshes)
     # A ball's normals cancel each other out: what is seen of it faces the eye.
-    facing = _unit(normal) if np.linalg.norm(normal) > FLAT and not bends else -looking
-    onward = looking if bends else reflect(looking[None], facing[None])[0]
+    facing = _unit(normal) if np.linalg.norm(normal) > FLAT and not refracts else -looking
+    onward = looking if refracts else reflect(looking[None], facing[None])[0]
     size = float(np.linalg.norm(high - low))
     distance = float(np.linalg.norm(middle - eye))
     free = _free(caster, middle, onward, np.inf, near=size)
     reach = min(free, SHOWN * distance) if np.isfinite(free) else SKY * distance
     corners = np.stack(np.meshgrid(*zip(low, high, strict=True)), axis=-1).reshape(-1, 3)
-    return _Sight(eye, middle, middle + reach * onward, corners, facing)
+    return _Subject(eye, middle, middle + reach * onward, corners, facing)
 
 
-def _observer(sight: _Sight, toward: np.ndarray, up: Vector, caster: Caster | None) -> Camera:
+def _observer(subject: _Subject, toward: np.ndarray, up: Vector, caster: Caster | None) -> Camera:
     """One that looks from `toward` (3,), as far away as shows all, or as the next wall lets it."""
-    points = sight.points
+    points = subject.points
     target = (points.min(axis=0) + points.max(axis=0)) / 2.0
     axes = Camera(_tuple(target + toward), _tuple(target), up).axes()
     across, upward, ahead = axes @ (points - target).T
@@ -147,11 +147,11 @@ def _observer(sight: _Sight, toward: np.ndarray, up: Vector, caster: Caster | No
     return Camera(_tuple(target + distance * toward), _tuple(target), up, min(field_of_view, TOO_WIDE))
 
 
-def _merit(observer: Camera, sight: _Sight, caster: Caster | None) -> float:
+def _merit(observer: Camera, subject: _Subject, caster: Caster | None) -> float:
     """How much of what counts can be seen; below 0 where everything is too small for that."""
     if observer.field_of_view > WIDEST or caster is None:
         return -observer.field_of_view
-    rays = sight.marks - observer.position
+    rays = subject.unhidden - observer.position
     length = np.linalg.norm(rays, axis=1)
     hits = caster.cast(np.tile(observer.position, (3, 1)), rays / length[:, None])
     return float((hits.distance > (1.0 - 1e-3) * length).sum())

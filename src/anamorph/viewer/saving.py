@@ -14,13 +14,13 @@ from anamorph.base import output
 from anamorph.files.view_file import Opened, save_view
 from anamorph.gpu.drawing import wait
 from anamorph.measure.compare import comparison_steps
-from anamorph.measure.report import report_page
+from anamorph.measure.page import comparison_page
 from anamorph.scene.checks import check_scene
 from anamorph.scene.model import Scene
 from anamorph.viewer.controls import edited, part_edits
 from anamorph.viewer.facts import Progress
 from anamorph.viewer.state import State
-from anamorph.viewer.views import view_of
+from anamorph.viewer.view_table import view_of
 
 Saving = Generator[Progress, None, str]
 """Long work that tells how far it is, and in the end what it has saved. Closed before, it leaves nothing behind."""
@@ -72,7 +72,7 @@ def save_scene(path: str | Path, opened: Opened, state: State, size: tuple[int, 
     return saved(path)
 
 
-def comparison_page(
+def save_comparison(
     path: str | Path, scene: Scene, methods: Sequence[str], size: tuple[int, int], command: str = ""
 ) -> Saving:
     """Save a page that compares methods with the truth, as the scene's own camera sees it."""
@@ -89,7 +89,7 @@ def comparison_page(
             break
         yield Progress(what, done, total)
     yield Progress("writing the page", total, total)
-    output.save_text(path, report_page(comparison))
+    output.save_text(path, comparison_page(comparison))
     return saved(path)
 
 

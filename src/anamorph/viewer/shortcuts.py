@@ -14,7 +14,7 @@ from anamorph.viewer.home import Home, reset_view
 from anamorph.viewer.navigation import orbit, steer, zoom
 from anamorph.viewer.observer import first_observer
 from anamorph.viewer.remembered import remember
-from anamorph.viewer.state import Drawing, EyeSide, Half, Layer, State, looking_into, watched_by
+from anamorph.viewer.state import Aspect, Drawing, EyeSide, Half, State, with_observer, with_picked
 
 TURN = float(np.radians(5.0))
 """How far an arrow key goes around the target, radians."""
@@ -92,8 +92,8 @@ def _next_method(state: State, home: Home, half: str) -> State:
     return _with_half(state, half, replace(shown, method=following))
 
 
-def _layer(state: State, home: Home, half: str, layer: Layer) -> State:
-    return _with_half(state, half, replace(getattr(state, half), layer=layer))
+def _set_aspect(state: State, home: Home, half: str, aspect: Aspect) -> State:
+    return _with_half(state, half, replace(getattr(state, half), aspect=aspect))
 
 
 def _with_half(state: State, half: str, shown: Half) -> State:
@@ -131,7 +131,7 @@ def _next_eye(state: State, home: Home) -> State:
 
 
 def _toggle_observer(state: State, home: Home) -> State:
-    return watched_by(state, first_observer(home.scene, state.camera) if state.observer is None else None)
+    return with_observer(state, first_observer(home.scene, state.camera) if state.observer is None else None)
 
 
 def _remember(state: State, home: Home) -> State:
@@ -156,7 +156,7 @@ def _clear(state: State, home: Home) -> State:
     """What lies on top first: it hides the rest."""
     if state.help:
         return replace(state, help=False)
-    return looking_into(state, None) if state.opening is None else replace(state, opening=None)
+    return with_picked(state, None) if state.opening is None else replace(state, opening=None)
 
 
 def _reset(state: State, home: Home) -> State:
@@ -186,8 +186,10 @@ SHORTCUTS: tuple[Shortcut, ...] = (
     Shortcut(("M",), "Halves", "next method, first half", partial(_next_method, half="first")),
     Shortcut(("Shift+M",), "Halves", "next method, second half", partial(_next_method, half="second")),
     *(
-        Shortcut((str(key),), "Halves", f"{layer}, {half} half", partial(_layer, half=half, layer=layer))
-        for key, (half, layer) in enumerate(((half, layer) for half in ("first", "second") for layer in Layer), start=1)
+        Shortcut((str(key),), "Halves", f"{aspect}, {half} half", partial(_set_aspect, half=half, aspect=aspect))
+        for key, (half, aspect) in enumerate(
+            ((half, aspect) for half in ("first", "second") for aspect in Aspect), start=1
+        )
     ),
     Shortcut(("U",), "Halves", "errors in mrad or in pixels", _other_unit),
     Shortcut(("W",), "Drawings", "wireframe", partial(_toggle_drawing, drawing=Drawing.WIREFRAME)),

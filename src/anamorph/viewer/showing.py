@@ -1,4 +1,4 @@
-"""What stands on the canvas: the halves' pictures and layers, coarse while things move, refined at rest."""
+"""What stands on the canvas: the halves' images, coarse while things move, refined at rest."""
 
 from __future__ import annotations
 
@@ -14,11 +14,11 @@ from anamorph.base.steps import mapped, timed
 from anamorph.frame import Frame
 from anamorph.scene.camera import Camera
 from anamorph.scene.model import Scene
-from anamorph.viewer.compose import LayerTexture, Shown
-from anamorph.viewer.fluency import COARSEST, SCALES, Fluency, scaled
-from anamorph.viewer.measured import Measured, error_layer, measure_half, status_layer
-from anamorph.viewer.pictures import MethodPictures, Size
-from anamorph.viewer.state import TRUTH, Half, Layer, State, shown_camera
+from anamorph.viewer.compose import FalseColorTexture, Shown
+from anamorph.viewer.fluency import COARSEST, RESOLUTIONS, Fluency, scaled
+from anamorph.viewer.measured import Measured, error_colors, measure_half, status_colors
+from anamorph.viewer.method_images import MethodImages, Size
+from anamorph.viewer.state import TRUTH, Aspect, Half, State, shown_camera
 
 LONG = 4e3
 """Milliseconds that a picture at rest may be expected to take; on the way to a longer one, coarser ones are drawn, each
@@ -77,7 +77,7 @@ class Showing:
 
     def __init__(self) -> None:
         self._scene: Scene | None = None
-        self._pictures: dict[str, MethodPictures] = {}
+        self._pictures: dict[str, MethodImages] = {}
         self._pictured: _Pictured | None = None
         self._detailed: _Detailed | None = None
         self._steps: Steps = (True for _ in ())
@@ -86,10 +86,10 @@ class Showing:
         self._behind = False
         self._before: tuple[Shown, ...] = ()
         self._of_pictures: dict[tuple[str, ...], Fluency] = {}
-        self._of_layers = Fluency()
+        self._of_false_colors = Fluency()
         self._long = False
-        self._layers = LayerTexture(), LayerTexture()
-        self._layered = [False, False]
+        self._false_colors = FalseColorTexture(), FalseColorTexture()
+        self._shows_false_color = [False, False]
         self._first = True
         self.frames: dict[str, Frame] = {}
         self.measured: dict[str, Measured] = {}
@@ -124,7 +124,7 @@ class Showing:
             self._scene, self._pictures = scene, {}
         self._pictured, self._detailed, self.finished = pictured, detailed, False
         for number, half in enumerate((state.first, state.second)):
-            self._layered[number] &= half.layer != Layer.PICTURE
+            self._shows_false_color[number] &= half.aspect != Aspect.PICTURE
         self._steps = self._resting()
         if moved:
             self.frames, self.measured, self.samples_done, self.at_rest = {}, {}, 0, False
@@ -154,9 +154,10 @@ class Showing:
         """
         if self._underway is not None:
             return self._before
+        methods = self._pictured.methods if self._pictured else ()
+        colored = zip(methods, self._false_colors, self._shows_false_color, strict=False)
         return tuple(
-            Shown(self._of(method).texture, self._layers[number].texture if self._layered[number] else None)
-            for number, method in enumerate(self._pictured.methods if self._pictured else ())
+            Shown(self._of(method).texture, colors.texture if shown else None) for method, colors, shown in colored
         )
 
     @property
@@ -170,12 +171,12 @@ class Showing:
         """What the time of the first half's last picture went to, milliseconds."""
         return self._of(self._pictured.methods[0]).phases if self._pictured else {}
 
-    def _of(self, method: str) -> MethodPictures:
+    def _of(self, method: str) -> MethodImages:
         if method not in self._pictures:
             assert self._scene is not None
             used = {TRUTH, *(self._pictured.methods if self._pictured else ())}
             self._pictures = {name: each for name, each in self._pictures.items() if name in used}
-            self._pictures[method] = MethodPictures(self._scene, method)
+            self._pictures[method] = MethodImages(self._scene, method)
         return self._pictures[method]
 
     def _draw(self) -> None:
@@ -187,21 +188,21 @@ class Showing:
         self._spent += 1e3 * (perf_counter() - began)
 
     def _moving(self) -> Steps:
-        """A picture of what has moved, as coarse as it must be, and its layers."""
+        """A picture of what has moved, as coarse as it must be, and its false-colour images."""
         assert self._pictured is not None and self._detailed is not None
         # Nobody knows how long methods take that have drawn nothing yet: they begin with the coarsest picture.
         names = tuple(method.partition(":")[0] for method in self._pictured.methods)
         fluency = self._of_pictures.get(names, COARSEST)
-        scale = self._pictured.resolution or fluency.scale
-        _, seconds = yield from timed(self._drawing(scaled(self._pictured.size, scale)))
+        resolution = self._pictured.resolution or fluency.resolution
+        _, seconds = yield from timed(self._drawing(scaled(self._pictured.size, resolution)))
         spent = 1e3 * seconds
-        self._long = spent > LONG * scale**2
+        self._long = spent > LONG * resolution**2
         if not self._pictured.resolution:
             self._of_pictures[names] = fluency.after(spent)
-        if any(half.layer != Layer.PICTURE for half in self._detailed.halves):
-            layers = self._layering(scaled(self._pictured.size, self._of_layers.scale))
-            _, seconds = yield from timed(mapped(layers, _within))
-            self._of_layers = self._of_layers.after(1e3 * seconds)
+        if any(half.aspect != Aspect.PICTURE for half in self._detailed.halves):
+            coloring = self._coloring(scaled(self._pictured.size, self._of_false_colors.resolution))
+            _, seconds = yield from timed(mapped(coloring, _within))
+            self._of_false_colors = self._of_false_colors.after(1e3 * seconds)
             self.frames, self.measured = {}, {}
             spent += 1e3 * seconds
         # The first of several may have opened what the others find open.
@@ -224,7 +225,7 @@ class Showing:
         assert self._pictured is not None
         camera, size = self._pictured.camera, self._pictured.size
         methods = dict.fromkeys(self._pictured.methods)
-        between = [scaled(size, scale) for scale in reversed(SCALES)] if self._long else []
+        between = [scaled(size, resolution) for resolution in reversed(RESOLUTIONS)] if self._long else []
         for step in (*between, size):
             if self.picture[0] < step[0]:
                 for method in methods:
@@ -232,7 +233,7 @@ class Showing:
                     yield True
                 self.picture = step
         self.at_rest = True
-        yield from self._layering(size)
+        yield from self._coloring(size)
         # Those are in the mean already that were drawn before something was asked for that moves nothing.
         for shift in shifts(self._pictured.samples)[self.samples_done :]:
             for method in methods:
@@ -243,12 +244,12 @@ class Showing:
             self.samples_done += 1
             yield True
 
-    def _layering(self, size: Size) -> Steps:
-        """What each pixel sees, where layers or the picked pixel need it, and the layers."""
+    def _coloring(self, size: Size) -> Steps:
+        """What each pixel sees, where false colours or the picked pixel need it, and the false-colour images."""
         assert self._pictured is not None and self._detailed is not None
         halves, picked = self._detailed.halves, self._detailed.picked
-        seen = [half.method for half in halves if half.layer != Layer.PICTURE or picked]
-        compared = [half.method for half in halves if half.layer == Layer.ERROR or picked]
+        seen = [half.method for half in halves if half.aspect != Aspect.PICTURE or picked]
+        compared = [half.method for half in halves if half.aspect == Aspect.ERROR or picked]
         for method in dict.fromkeys([*seen, *([TRUTH] if compared else [])]):
             if method not in self.frames:
                 frame = yield from mapped(self._of(method).seeing(self._pictured.camera, size), _within)
@@ -261,13 +262,13 @@ class Showing:
                 yield True
         for number, half in enumerate(halves):
             colors = None
-            if half.layer == Layer.ERROR and half.method in self.measured:
-                colors = error_layer(self.measured[half.method], self._detailed.unit)
-            elif half.layer == Layer.STATUS and half.method in self.frames:
-                colors = status_layer(self.frames[half.method])
-            self._layered[number] = colors is not None
+            if half.aspect == Aspect.ERROR and half.method in self.measured:
+                colors = error_colors(self.measured[half.method], self._detailed.unit)
+            elif half.aspect == Aspect.STATUS and half.method in self.frames:
+                colors = status_colors(self.frames[half.method])
+            self._shows_false_color[number] = colors is not None
             if colors is not None:
-                self._layers[number].write(colors)
+                self._false_colors[number].write(colors)
                 yield True
 
 

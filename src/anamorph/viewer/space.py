@@ -1,4 +1,4 @@
-"""What is drawn into space over the picture: wires, hits, virtual viewpoints, view volumes, the eye, a pixel's path.
+"""What is drawn into space over the picture: wireframe, hits, virtual viewpoints, view volumes, the eye, a path.
 
 They are those of per-vertex reflection, planned for the eye that looks. Source: Kakimoto et al. 2007, Figures 1, 3
 and 4.
@@ -24,7 +24,7 @@ from anamorph.scene.model import Scene
 from anamorph.viewer.facts import Inspection
 from anamorph.viewer.marks import NO_MARKS, Marks, between, dot_marks, joined, line_marks
 from anamorph.viewer.state import Drawing, State
-from anamorph.viewer.wires import Wires, wires_of
+from anamorph.viewer.wireframe import Wireframe, wireframe_of
 
 MOST_HITS, MOST_RAYS = 400, 100
 """Of one body that are drawn: more cannot be told apart."""
@@ -43,7 +43,7 @@ EYE_DEPTH = 0.3
 
 WIRE = (0.85, 0.9, 0.95, 0.8)
 LEAST_ALPHA, HIDDEN_ALPHA = 0.15, 0.3
-"""Of wires, relative to the front's long ones: the shortest, and those seen from behind."""
+"""Of edges, relative to the front's long ones: the shortest, and those seen from behind."""
 
 WITHIN_ALPHA = 0.5
 """Of rays as their own eye sees them: they run through its picture."""
@@ -52,8 +52,8 @@ HIT, RAY, SKY_RAY = (0.9, 0.03, 0.02, 1.0), (1.0, 0.3, 0.15, 0.75), (0.3, 0.55, 
 EYE, EYE_RAY = (1.0, 1.0, 1.0, 1.0), (0.1, 0.25, 1.0, 0.6)
 VIEWPOINT, LINE = (0.9, 0.02, 0.02, 1.0), (1.0, 0.75, 0.05, 0.6)
 VOLUME, APEX = (0.05, 0.8, 0.35, 0.9), (0.05, 0.8, 0.35, 0.35)
-STAGES = ((0.05, 0.35, 1.0, 1.0), (1.0, 0.55, 0.0, 1.0), (0.9, 0.05, 0.35, 1.0))
-"""Of a path: from the eye, between surfaces, and to its end."""
+LEG_COLORS = ((0.05, 0.35, 1.0, 1.0), (1.0, 0.55, 0.0, 1.0), (0.9, 0.05, 0.35, 1.0))
+"""Of a path's legs: from the eye, between surfaces, and to its end."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -81,9 +81,9 @@ class Space:
         return surroundings_of(self.geometry, self.bodies)
 
     @cached_property
-    def wires(self) -> Wires:
+    def wireframe(self) -> Wireframe:
         """The edges of mirrors and lenses."""
-        return wires_of(self.scene)
+        return wireframe_of(self.scene)
 
 
 def space_marks(
@@ -114,7 +114,7 @@ def space_marks(
     if Drawing.VIEWPOINT in state.drawings:
         parts += [viewpoint_marks(each, space.surroundings.diagonal) for each in seen]
     if Drawing.WIREFRAME in state.drawings:
-        parts.append(wire_marks(space.wires, shown, size))
+        parts.append(wireframe_marks(space.wireframe, shown, size))
     if Drawing.HITS in state.drawings:
         eye = looking if state.observer else None
         parts += [hit_marks(each, space.surroundings.diagonal, eye) for each in seen]
@@ -125,16 +125,16 @@ def space_marks(
     return joined(parts)
 
 
-def wire_marks(wires: Wires, shown: Camera, size: tuple[int, int]) -> Marks:
+def wireframe_marks(wireframe: Wireframe, shown: Camera, size: tuple[int, int]) -> Marks:
     """The edges of mirrors and lenses, fainter where they are short or seen from behind in a picture of `size`."""
     eye = np.asarray(shown.position, np.float32)
-    distance = np.linalg.norm(wires.ends[:, 0] - eye, axis=1)
+    distance = np.linalg.norm(wireframe.ends[:, 0] - eye, axis=1)
     pixel = 2.0 * np.tan(np.radians(shown.field_of_view) / 2.0) / size[1]
-    long = wires.lengths >= LONG_WIRE * pixel * distance
+    long = wireframe.lengths >= LONG_WIRE * pixel * distance
     alpha = np.ones(len(long))
-    alpha[~long] = np.maximum(wires.lengths[~long] / (LONG_WIRE * pixel * distance[~long]), LEAST_ALPHA)
-    alpha[~wires.facing(eye)] *= HIDDEN_ALPHA
-    return line_marks(wires.ends, np.column_stack([np.tile(WIRE[:3], (len(alpha), 1)), WIRE[3] * alpha]), 1.2)
+    alpha[~long] = np.maximum(wireframe.lengths[~long] / (LONG_WIRE * pixel * distance[~long]), LEAST_ALPHA)
+    alpha[~wireframe.facing(eye)] *= HIDDEN_ALPHA
+    return line_marks(wireframe.ends, np.column_stack([np.tile(WIRE[:3], (len(alpha), 1)), WIRE[3] * alpha]), 1.2)
 
 
 def hit_marks(seen: Seen, diagonal: float, eye: Camera | None = None) -> Marks:
@@ -157,15 +157,15 @@ def hit_marks(seen: Seen, diagonal: float, eye: Camera | None = None) -> Marks:
 
 def viewpoint_marks(seen: Seen, diagonal: float) -> Marks:
     """Each map's virtual viewpoint, and the rays drawn on through where they pass it: Figure 3."""
-    rays, directions, drawn, parts = seen.body_rays.rays, seen.body_rays.rays.unit_directions(), _drawn_rays(seen), []
+    rays, units, drawn, parts = seen.body_rays.rays, seen.body_rays.rays.unit_directions(), _drawn_rays(seen), []
     for plan in seen.plans:
         vertices = np.intersect1d(plan.vertices, drawn)
-        origins, ways = rays.origins[vertices], directions[vertices]
+        origins, directions = rays.origins[vertices], units[vertices]
         point = viewpoint_of(plan, diagonal)
         lengths = np.full(len(vertices), -diagonal)
         if point is not None:
-            lengths = PAST * np.einsum("ni,ni->n", point - origins, ways)
-        parts.append(line_marks(between(origins, origins + lengths[:, None] * ways), LINE))
+            lengths = PAST * np.einsum("ni,ni->n", point - origins, directions)
+        parts.append(line_marks(between(origins, origins + lengths[:, None] * directions), LINE))
         if point is not None:
             parts.append(dot_marks(point, VIEWPOINT, radius=6.0))
     return joined(parts)
@@ -210,7 +210,7 @@ def frustum(projection: Projection, plan: MapPlan, diagonal: float) -> tuple[np.
     begins = np.column_stack([corners, np.ones((4, 2))]) @ back.T
     ends = np.column_stack([corners, np.zeros(4), np.ones(4)]) @ back.T
     near = begins[:, :3] / begins[:, 3:]
-    ways = projection.base + corners @ np.stack([projection.right, projection.up])
+    directions = projection.base + corners @ np.stack([projection.right, projection.up])
     # Of a parallel projection w is the same everywhere.
     forward = projection.clip[3, :3]
     forward = forward if np.linalg.norm(forward) > 1e-9 * np.linalg.norm(projection.clip[0, :3]) else projection.base
@@ -218,12 +218,12 @@ def frustum(projection: Projection, plan: MapPlan, diagonal: float) -> tuple[np.
     heights = near @ forward
     met = np.isfinite(plan.distances)
     reach = PAST * (plan.hits[met] @ forward - heights.min()).max(initial=0.0) if met.any() else diagonal
-    level = heights.min() + max(reach, PAST * np.ptp(heights), 1e-3 * diagonal)
+    end = heights.min() + max(reach, PAST * np.ptp(heights), 1e-3 * diagonal)
     # The far end of the depth range is at infinity, or before the crossing of lines that converge.
     finite = ends[:, 3] > 1e-9 * np.linalg.norm(ends[:, :3], axis=1)
     last = ends[finite, :3] / ends[finite, 3:] @ forward
-    level = min(level, last[last > heights.max()].min(initial=np.inf))
-    far = near + ((level - heights) / (ways @ forward))[:, None] * ways
+    end = min(end, last[last > heights.max()].min(initial=np.inf))
+    far = near + ((end - heights) / (directions @ forward))[:, None] * directions
     return near, far
 
 
@@ -231,20 +231,20 @@ def eye_marks(camera: Camera, size: tuple[int, int], depth: float) -> Marks:
     """The eye, and its picture at `depth` metres before it."""
     width, height = size
     corners = np.array([[0, 0], [width, 0], [width, height], [0, height]], float)
-    ways = camera.directions(corners, size)
+    directions = camera.directions(corners, size)
     eye = np.asarray(camera.position, float)
-    picture = eye + depth * ways / (ways @ camera.axes()[2])[:, None]
+    picture = eye + depth * directions / (directions @ camera.axes()[2])[:, None]
     edges = np.concatenate([between(eye, picture), between(picture, np.roll(picture, -1, axis=0))])
     return joined([line_marks(edges, EYE, 1.4), dot_marks(eye, EYE, 5.0)])
 
 
 def path_marks(inspection: Inspection) -> Marks:
-    """A pixel's true path, its stops as dots, in the colours of its stages."""
+    """A pixel's true path, its stops as dots, in the colours of its legs."""
     points = np.array([stop.point for stop in inspection.path], float).reshape(-1, 3)
     legs = len(points) - 1
     if legs < 1:
         return NO_MARKS
-    colors = np.array([STAGES[0], *[STAGES[1]] * (legs - 1), STAGES[2]])
+    colors = np.array([LEG_COLORS[0], *[LEG_COLORS[1]] * (legs - 1), LEG_COLORS[2]])
     # What is seen directly has but one leg.
     return joined(
         [

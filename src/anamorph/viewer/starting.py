@@ -16,7 +16,7 @@ from anamorph.scene.checks import check_scene
 from anamorph.scene.model import Scene
 from anamorph.viewer.home import Home
 from anamorph.viewer.state import Half, State
-from anamorph.viewer.views import state_of
+from anamorph.viewer.view_table import state_of
 
 NOTHING = Scene("nothing opened", (), Camera((0.0, 0.0, 1.0), (0.0, 0.0, 0.0)))
 """What is shown of a scene that could not be opened."""
@@ -41,7 +41,7 @@ class Start:
     message: str = ""
 
 
-def start(source: Source | Scene | str | Path, method: str | None = None) -> Start:
+def start_of(source: Source | Scene | str | Path, method: str | None = None) -> Start:
     """Open a scene, or whatever names one, seen first by `method`; a failure is told in the message.
 
     A text may say more of a CAD file, in the words of the command line: "mirror.step --scene car-mirror --flip".
@@ -61,33 +61,33 @@ def start(source: Source | Scene | str | Path, method: str | None = None) -> Sta
         return Start(nothing, state_of(nothing), str(error))
 
 
-def carried_over(state: State, beginning: Start) -> State:
+def carried_over(state: State, start: Start) -> State:
     """The state in which a viewer goes on with another scene: what is set of the old one's picture stays.
 
     Parameters
     ----------
     state : State
         Of the old scene.
-    beginning : Start
+    start : Start
         Of the new one. A view that a file keeps is shown as it was; a method that cannot draw the scene is left.
     """
-    if beginning.opened.settings.view is not None:
-        return beginning.state
-    able = Home(beginning.state, beginning.opened.scene).methods
+    if start.opened.settings.view is not None:
+        return start.state
+    able = Home(start.state, start.opened.scene).methods
 
     def half(old: Half, new: Half) -> Half:
         return old if old.method.partition(":")[0] in able else replace(old, method=new.method)
 
     return replace(
         state,
-        camera=beginning.state.camera,
-        first=half(state.first, beginning.state.first),
-        second=half(state.second, beginning.state.second),
+        camera=start.state.camera,
+        first=half(state.first, start.state.first),
+        second=half(state.second, start.state.second),
         observer=None,
-        values=beginning.state.values,
+        values=start.state.values,
         picked=None,
         picked_outside=False,
-        views=beginning.state.views,
+        views=start.state.views,
         opening=None,
     )
 

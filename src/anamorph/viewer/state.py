@@ -21,7 +21,7 @@ EYE_DISTANCE = 0.065
 """Between the two eyes, metres."""
 
 
-class Layer(StrEnum):
+class Aspect(StrEnum):
     """What is shown of a method."""
 
     PICTURE = "picture"
@@ -48,10 +48,10 @@ class EyeSide(StrEnum):
 
 @dataclass(frozen=True)
 class Half:
-    """What one half of the picture shows: a method, "NAME[:option=value,...]", and a layer of it."""
+    """What one half of the picture shows: a method, "NAME[:option=value,...]", and an aspect of it."""
 
     method: str
-    layer: Layer = Layer.PICTURE
+    aspect: Aspect = Aspect.PICTURE
 
 
 @dataclass(frozen=True)
@@ -85,7 +85,7 @@ class State:
     opening : str or None
         What is typed so far to name another scene; None while none is asked for.
     picked : (x, y) or None
-        The point of the picture that is looked into, as shares of its width and height from the top left.
+        The picked point of the picture, as shares of its width and height from the top left.
     picked_outside : bool
         Whether that is the observer's picture, and not the eye's; only while there are both.
     views : tuple of Camera
@@ -131,12 +131,12 @@ def shown_camera(state: State) -> Camera:
     return state.observer or looking_eye(state)
 
 
-def looking_into(state: State, picked: tuple[float, float] | None) -> State:
-    """The state with a point of the shown picture looked into, or none: it is whose picture that is."""
+def with_picked(state: State, picked: tuple[float, float] | None) -> State:
+    """The state with a point of the shown picture picked, or with none; it also notes whose picture that is."""
     return replace(state, picked=picked, picked_outside=picked is not None and state.observer is not None)
 
 
-def watched_by(state: State, observer: Camera | None) -> State:
-    """The state with an observer, or without: a point of an observer's picture goes when he does."""
+def with_observer(state: State, observer: Camera | None) -> State:
+    """The state with an observer, or without one; a point that was picked in the observer's picture goes too."""
     seen = replace(state, observer=observer)
-    return looking_into(seen, None) if observer is None and state.picked_outside else seen
+    return with_picked(seen, None) if observer is None and state.picked_outside else seen

@@ -12,7 +12,7 @@ from anamorph.files.view_file import Opened
 from anamorph.scene.camera import Camera
 from anamorph.scene.model import Scene
 from anamorph.viewer.facts import Progress, Request
-from anamorph.viewer.saving import Saving, comparison_page, free_name, save_picture, save_scene
+from anamorph.viewer.saving import Saving, free_name, save_comparison, save_picture, save_scene
 from anamorph.viewer.showing import Showing
 from anamorph.viewer.state import State, looking_eye, shown_camera
 from anamorph.viewer.turntable import between, orbit, turntable
@@ -62,7 +62,7 @@ def saving_of(request: Request, shot: Shot, directory: Path) -> Saving:
         case Request.SAVE_COMPARISON:
             methods = tuple(dict.fromkeys(half.method for half in (state.first, state.second)))
             scene = replace(shot.scene, camera=looking_eye(state))
-            return comparison_page(name(".html"), scene, methods, size, "anamorph view")
+            return save_comparison(name(".html"), scene, methods, size, "anamorph view")
         case Request.SAVE_TURNTABLE | Request.SAVE_TURNTABLE_SERIES:
             cameras = orbit(shown_camera(state), swing=None if state.observer else SWING)
             return _filmed(shot, cameras, name(".webm" if request is Request.SAVE_TURNTABLE else ""))

@@ -82,13 +82,13 @@ def _between(one: Camera, other: Camera, share: float) -> Camera:
     right, _, ahead = one.axes()
     up, other_up = (np.divide(camera.up, np.linalg.norm(camera.up)) for camera in (one, other))
     tilt = _tilt(up, other_up, right)
-    # Backward, from the targets to the eyes: about the first view's upward direction, and from its level up.
-    level = np.cross(right, up)
+    # Backward, from the targets to the eyes: about the first view's upward direction, and up from its horizontal.
+    horizontal = np.cross(right, up)
     away = Rotation.from_rotvec(-tilt).apply(-other.axes()[2])
-    around = share * np.arctan2(away @ right, away @ level)
+    around = share * np.arctan2(away @ right, away @ horizontal)
     rises = [np.arctan2(back @ up, np.linalg.norm(np.cross(back, up))) for back in (-ahead, away)]
     rise = (1.0 - share) * rises[0] + share * rises[1]
-    back = np.cos(rise) * (np.cos(around) * level + np.sin(around) * right) + np.sin(rise) * up
+    back = np.cos(rise) * (np.cos(around) * horizontal + np.sin(around) * right) + np.sin(rise) * up
     back, up = Rotation.from_rotvec(share * tilt).apply([back, up])
     target = (1.0 - share) * np.array(one.target) + share * np.array(other.target)
     first, last = (np.linalg.norm(np.subtract(each.target, each.position)) for each in (one, other))
@@ -152,10 +152,10 @@ def turntable(
     session = chosen.open(View(scene, cameras[0], size), options)
     with video(path, size, rate) as add:
         for number, camera in enumerate(cameras):
-            told = partial(_told, f"frame {number + 1} of {len(cameras)}", number * samples**2, total)
-            add(to_pixels((yield from mapped(averaging(session, camera, samples), told))))
+            as_progress = partial(_progress, f"frame {number + 1} of {len(cameras)}", number * samples**2, total)
+            add(to_pixels((yield from mapped(averaging(session, camera, samples), as_progress))))
     return saved(path)
 
 
-def _told(frame: str, before: int, total: int, drawn: tuple[int, int]) -> Progress:
+def _progress(frame: str, before: int, total: int, drawn: tuple[int, int]) -> Progress:
     return Progress(frame, before + drawn[0], total)

@@ -37,27 +37,27 @@ def changed(before: np.ndarray, after: np.ndarray) -> float:
 
 def test_the_divider_a_slider_the_method_and_a_click_do_what_they_are_for(browser, tmp_path):
     with served(tmp_path, "flat-mirror") as viewer, tab_of(browser, viewer) as tab:
-        report = tab.wait_until(lambda report: report["at_rest"], "rest")
+        snapshot = tab.wait_until(lambda snapshot: snapshot["at_rest"], "rest")
         assert tab.page.url == viewer.page
         assert tab.page.title() == "flat-mirror - Anamorph"
-        assert report["size"] == [1000, 640]
-        view = [report["rectangles"]["panel"][2], 0.0, 1000.0, 600.0]
+        assert snapshot["size"] == [1000, 640]
+        view = [snapshot["rectangles"]["panel"][2], 0.0, 1000.0, 600.0]
         at_first = tab.picture()
         assert inside(at_first, view).std() > 20.0
 
         tab.click(*tab.center("first/method"))
-        tab.wait_until(lambda report: "first/method/environment" in report["rectangles"], "the list of methods")
+        tab.wait_until(lambda snapshot: "first/method/environment" in snapshot["rectangles"], "the list of methods")
         tab.click(*tab.center("first/method/environment"))
-        tab.wait_until(lambda report: report["state"]["first"]["method"] == "environment" and report["at_rest"])
+        tab.wait_until(lambda snapshot: snapshot["state"]["first"]["method"] == "environment" and snapshot["at_rest"])
         wait_until(lambda: changed(inside(at_first, view), inside(tab.picture(), view)) > 0.02, "another picture")
 
         tab.key("s")
-        report = tab.wait_until(lambda report: report["state"]["split"] and "divider" in report["rectangles"])
-        tab.wait_until(lambda report: report["at_rest"], "rest")
+        snapshot = tab.wait_until(lambda snapshot: snapshot["state"]["split"] and "divider" in snapshot["rectangles"])
+        tab.wait_until(lambda snapshot: snapshot["at_rest"], "rest")
         split = tab.picture()
         x, y = tab.center("divider")
         tab.drag((x, y), (x + 150.0, y))
-        report = tab.wait_until(lambda report: report["state"]["divider"] > 0.6 and report["at_rest"])
+        snapshot = tab.wait_until(lambda snapshot: snapshot["state"]["divider"] > 0.6 and snapshot["at_rest"])
         assert tab.center("divider")[0] == pytest.approx(x + 150.0, abs=2.0)
         # what lies between the old place and the new one is now drawn by the environment map, and nothing else is
         between = [x + 10.0, 0.0, x + 140.0, 560.0]
@@ -68,13 +68,13 @@ def test_the_divider_a_slider_the_method_and_a_click_do_what_they_are_for(browse
         before = tab.picture()
         x, y = tab.center("mirror/swivel")
         tab.drag((x, y), (x + 40.0, y))
-        tab.wait_until(lambda report: report["state"]["values"].get("mirror/swivel") and report["at_rest"])
+        tab.wait_until(lambda snapshot: snapshot["state"]["values"].get("mirror/swivel") and snapshot["at_rest"])
         wait_until(lambda: changed(inside(before, beyond), inside(tab.picture(), beyond)) > 0.05, "a turned mirror")
 
         tab.click(900.0, 330.0)
-        report = tab.wait_until(lambda report: report["inspection"], "what is seen there")
-        assert report["inspection"]["method"] == "raytrace"
-        assert report["state"]["picked"] == pytest.approx(
+        snapshot = tab.wait_until(lambda snapshot: snapshot["inspection"], "what is seen there")
+        assert snapshot["inspection"]["method"] == "raytrace"
+        assert snapshot["state"]["picked"] == pytest.approx(
             [(900.0 - view[0]) / (1000.0 - view[0]), 330.0 / 616.0], abs=0.01
         )
         assert tab.complaints == []
@@ -83,21 +83,25 @@ def test_the_divider_a_slider_the_method_and_a_click_do_what_they_are_for(browse
 
 def test_another_scene_is_opened_from_the_keyboard_and_the_page_is_called_after_it(browser, tmp_path):
     with served(tmp_path, "flat-mirror") as viewer, tab_of(browser, viewer) as tab:
-        tab.wait_until(lambda report: report["at_rest"], "rest")
+        tab.wait_until(lambda snapshot: snapshot["at_rest"], "rest")
         before = tab.picture()
         press = "new KeyboardEvent('keydown', { key: 'o', ctrlKey: true, cancelable: true })"
         assert tab.page.evaluate(f"!window.dispatchEvent({press})"), "the browser would open a file of its own"
         tab.page.keyboard.press("Control+o")
-        report = tab.wait_until(lambda report: "opening/path" in report["rectangles"], "the page that opens scenes")
-        tab.wait_until(lambda now: now["frames"] > report["frames"] + 2 or now["at_rest"])
+        snapshot = tab.wait_until(
+            lambda snapshot: "opening/path" in snapshot["rectangles"], "the page that opens scenes"
+        )
+        tab.wait_until(lambda now: now["frames"] > snapshot["frames"] + 2 or now["at_rest"])
         tab.page.keyboard.type("sphere")
-        tab.wait_until(lambda report: report["state"]["opening"] == "sphere", "what is typed")
-        assert tab.report()["state"]["samples"] == report["state"]["samples"] and not tab.report()["state"]["split"]
+        tab.wait_until(lambda snapshot: snapshot["state"]["opening"] == "sphere", "what is typed")
+        assert (
+            tab.snapshot()["state"]["samples"] == snapshot["state"]["samples"] and not tab.snapshot()["state"]["split"]
+        )
         tab.key("Enter")
-        tab.wait_until(lambda report: "spheres" in report["message"], "a name that is near")
+        tab.wait_until(lambda snapshot: "spheres" in snapshot["message"], "a name that is near")
         assert tab.page.title() == "flat-mirror - Anamorph"
         tab.click(*tab.center("opening/spheres"))
-        tab.wait_until(lambda report: report["scene"] == "spheres" and report["at_rest"], "the other scene")
+        tab.wait_until(lambda snapshot: snapshot["scene"] == "spheres" and snapshot["at_rest"], "the other scene")
         wait_until(lambda: tab.page.title() == "spheres - Anamorph", "its title")
         view = [300.0, 60.0, 1000.0, 600.0]
         wait_until(lambda: changed(inside(before, view), inside(tab.picture(), view)) > 0.5, "its picture")
@@ -110,27 +114,27 @@ def test_another_scene_is_opened_from_the_keyboard_and_the_page_is_called_after_
 
 def test_the_picture_follows_the_window_and_the_tab_that_controls_it(browser, tmp_path):
     with served(tmp_path, "flat-mirror") as viewer, tab_of(browser, viewer, has_touch=True) as tab:
-        tab.wait_until(lambda report: report["size"] == [1000, 640])
+        tab.wait_until(lambda snapshot: snapshot["size"] == [1000, 640])
         tab.page.set_viewport_size({"width": 640, "height": 400})
-        tab.wait_until(lambda report: report["size"] == [640, 400])
+        tab.wait_until(lambda snapshot: snapshot["size"] == [640, 400])
         page = "[document.scrollingElement.scrollWidth, document.scrollingElement.scrollHeight]"
         assert tab.page.evaluate(page) == [640, 400]
         assert tab.page.evaluate("getComputedStyle(document.querySelector('img')).touchAction") == "none"
         assert tab.page.get_by_role("img").get_attribute("alt")
         tab.key("Tab")
-        tab.wait_until(lambda report: "panel/show" in report["rectangles"])
+        tab.wait_until(lambda snapshot: "panel/show" in snapshot["rectangles"])
         tab.tap(*tab.center("panel/show"))
-        tab.wait_until(lambda report: report["state"]["panel"])
+        tab.wait_until(lambda snapshot: snapshot["state"]["panel"])
 
         second = another_tab(tab, viewer, 500, 300)
         second.wait_for_selector("text=Watching")
-        assert tab.report()["size"] == [640, 400]
+        assert tab.snapshot()["size"] == [640, 400]
         tab.page.close()
         second.wait_for_selector("#status:empty", state="attached")
-        tab.wait_until(lambda report: report["size"] == [500, 300])
+        tab.wait_until(lambda snapshot: snapshot["size"] == [500, 300])
         second.close()
         third = another_tab(tab, viewer, 520, 320)
-        tab.wait_until(lambda report: report["size"] == [520, 320])
+        tab.wait_until(lambda snapshot: snapshot["size"] == [520, 320])
         assert viewer.interrupt() == (0, "")
         third.wait_for_selector("text=Disconnected")
 
@@ -150,8 +154,8 @@ def test_a_fine_screen_gets_its_own_pixels(playwright, tmp_path):
         tab_of(browser, viewer, viewport=None, no_viewport=True) as tab,
     ):
         width, height = tab.page.evaluate("[window.innerWidth, window.innerHeight]")
-        report = tab.wait_until(lambda report: report["size"] == [width, height])
-        assert report["full"][1] == 2 * (height - 24)
+        snapshot = tab.wait_until(lambda snapshot: snapshot["size"] == [width, height])
+        assert snapshot["full"][1] == 2 * (height - 24)
         wait_until(lambda: tab.page.evaluate("document.querySelector('img').naturalWidth") == 2 * width, "its pixels")
 
 
@@ -166,40 +170,42 @@ def test_two_fingers_pan_and_zoom_and_one_scrolls_the_panel(browser, tmp_path):
         def distance(camera: dict[str, Any]) -> float:
             return float(np.linalg.norm(np.subtract(camera["position"], camera["target"])))
 
-        before = tab.wait_until(lambda report: report["at_rest"])["state"]["camera"]
+        before = tab.wait_until(lambda snapshot: snapshot["at_rest"])["state"]["camera"]
         touch("touchStart", 600.0)
         touch("touchStart", 600.0, 700.0)
         for spread in range(10, 60, 10):
             touch("touchMove", 600.0 - spread, 700.0 + spread)
-        after = tab.wait_until(lambda report: distance(report["state"]["camera"]) < 0.6 * distance(before))
+        after = tab.wait_until(lambda snapshot: distance(snapshot["state"]["camera"]) < 0.6 * distance(before))
         turned = [np.subtract(camera["position"], camera["target"]) for camera in (before, after["state"]["camera"])]
         assert np.dot(*turned) == pytest.approx(np.prod([np.linalg.norm(each) for each in turned])), "it does not orbit"
         touch("touchEnd", 550.0)
         touch("touchEnd")
-        report = tab.wait_until(lambda report: report["at_rest"])
-        assert report["state"]["picked"] is None
+        snapshot = tab.wait_until(lambda snapshot: snapshot["at_rest"])
+        assert snapshot["state"]["picked"] is None
 
         x, y = tab.center("section/scene")
         touch("touchStart", x, y=y)
         for up in range(10, 110, 10):
             touch("touchMove", x, y=y - up)
         touch("touchEnd")
-        tab.wait_until(lambda report: report["rectangles"]["section/scene"][3] < y - 50.0, "another part of the panel")
+        tab.wait_until(
+            lambda snapshot: snapshot["rectangles"]["section/scene"][3] < y - 50.0, "another part of the panel"
+        )
         assert tab.center("section/scene")[1] >= y - 100.0
-        assert tab.report()["state"] == report["state"], "and all else stays as it was"
-        assert "mirror/swivel" in tab.report()["rectangles"]
+        assert tab.snapshot()["state"] == snapshot["state"], "and all else stays as it was"
+        assert "mirror/swivel" in tab.snapshot()["rectangles"]
         place = tab.center("mirror/tilt")
         # Two taps are a double tap within half a second; a machine that is busy may need more of them.
         for _ in range(6):
-            frames = tab.report()["frames"]
+            frames = tab.snapshot()["frames"]
             tab.tap(*place)
             tab.tap(*place)
             # Until they have been drawn that show it, keys have another meaning.
-            tab.wait_until(lambda report, before=frames: report["frames"] >= before + 8, "the taps")
+            tab.wait_until(lambda snapshot, before=frames: snapshot["frames"] >= before + 8, "the taps")
             tab.page.keyboard.type("3.5")
             tab.key("Enter")
-            frames = tab.report()["frames"]
-            values = tab.wait_until(lambda report, before=frames: report["frames"] >= before + 4)["state"]["values"]
+            frames = tab.snapshot()["frames"]
+            values = tab.wait_until(lambda snapshot, before=frames: snapshot["frames"] >= before + 4)["state"]["values"]
             if values.get("mirror/tilt") == 3.5:
                 break
         assert values.get("mirror/tilt") == 3.5

@@ -261,10 +261,10 @@ def test_the_widget_tells_of_its_views_takes_two_fingers_and_keeps_its_keys():
 
 def test_a_camera_given_is_the_eye(monkeypatch):
     shown = []
-    monkeypatch.setattr(backends, "show", lambda beginning, size: shown.append((beginning, size)))
+    monkeypatch.setattr(backends, "show", lambda start, size: shown.append((start, size)))
     eye = an.Camera((0.0, 0.5, 3.0), (0.0, 0.5, 0.0))
     assert an.view("flat-mirror", camera=eye, size=(320, 200)) is None
     assert an.view(an.open_scene("flat-mirror")[0], "raytrace", camera=eye) is None
-    assert [beginning.state.camera for beginning, _ in shown] == [eye, eye]
+    assert [start.state.camera for start, _ in shown] == [eye, eye]
     assert [size for _, size in shown] == [(320, 200), (800, 600)]
     assert shown[1][0].state.first.method == "raytrace"

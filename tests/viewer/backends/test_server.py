@@ -28,7 +28,7 @@ async def _inside(scope: Any, receive: Any, send: Any) -> None:
 
 @pytest.fixture
 def gate() -> Gate:
-    return Gate(_inside, PORT, {"": ("text/html", lambda: "the page"), "report.json": ("text/json", lambda: "{}")})
+    return Gate(_inside, PORT, {"": ("text/html", lambda: "the page"), "snapshot.json": ("text/json", lambda: "{}")})
 
 
 def ask(gate: Gate, target: str, method: str = "GET", **headers: str) -> tuple[int, dict[str, str], str]:
@@ -81,7 +81,7 @@ def test_the_link_opens_the_page_for_the_browser_that_had_it_first(gate):
     assert ask(gate, "")[0] == 403
     cookie = admitted(gate)
     assert ask(gate, "", cookie=cookie)[::2] == (200, "the page")
-    assert ask(gate, "report.json", cookie=f"other=1; {cookie}")[0] == 200
+    assert ask(gate, "snapshot.json", cookie=f"other=1; {cookie}")[0] == 200
     again = ask(gate, gate.link.split(HOST)[1])
     assert again[0] == 403
     assert again[2].count("\n") == 1
@@ -90,7 +90,7 @@ def test_the_link_opens_the_page_for_the_browser_that_had_it_first(gate):
 
 def test_the_cookie_stays_away_from_what_else_is_served_on_this_machine(gate):
     cookie = admitted(gate)
-    others = ("/", "/report.json", gate.folder[:-1], f"{gate.folder}../", f"/other{gate.folder}", f"{gate.folder}/")
+    others = ("/", "/snapshot.json", gate.folder[:-1], f"{gate.folder}../", f"/other{gate.folder}", f"{gate.folder}/")
     assert {ask(gate, path, cookie=cookie)[0] for path in others} == {404}
     assert not stream(gate, cookie=cookie, path=f"/{STREAM}")
     another = Gate(_inside, PORT, {})
@@ -174,8 +174,8 @@ def cookie(viewer: Served) -> str:
     return headers["set-cookie"].split(";")[0]
 
 
-def report(viewer: Served, cookie: str) -> dict[str, Any]:
-    return json.loads(get(viewer, "report.json", Cookie=cookie)[2])
+def snapshot(viewer: Served, cookie: str) -> dict[str, Any]:
+    return json.loads(get(viewer, "snapshot.json", Cookie=cookie)[2])
 
 
 def opened(viewer: Served, cookie: str) -> Any:
@@ -204,7 +204,7 @@ async def confirm(socket: Any, picture: dict[str, Any]) -> None:
 
 
 def test_a_live_server_refuses_strangers(viewer, cookie):
-    assert get(viewer, "report.json")[0] == 403
+    assert get(viewer, "snapshot.json")[0] == 403
 
     async def knock() -> None:
         with pytest.raises(InvalidStatus):
@@ -251,7 +251,7 @@ def test_a_page_that_sends_and_confirms_nothing_makes_way_for_the_next(viewer, c
                         await asyncio.sleep(0.01)
             assert closed.value.rcvd.code == TRY_AGAIN_LATER
             await waiting.send(resized(300, 120))
-            while report(viewer, cookie)["size"] != [300, 120]:
+            while snapshot(viewer, cookie)["size"] != [300, 120]:
                 await confirm(waiting, (await next_picture(waiting))[0])
 
     asyncio.run(flood())
@@ -264,7 +264,7 @@ def test_who_comes_after_a_closed_tab_sees_the_picture_in_its_own_size(viewer, c
             while True:
                 announced, data = await next_picture(socket)
                 await confirm(socket, announced)
-                if report(viewer, cookie)["size"] == [width, 120]:
+                if snapshot(viewer, cookie)["size"] == [width, 120]:
                     return data
 
     assert all(asyncio.run(look(width)) for width in (200, 240))
@@ -272,9 +272,9 @@ def test_who_comes_after_a_closed_tab_sees_the_picture_in_its_own_size(viewer, c
 
 def test_nothing_is_drawn_while_nobody_looks(viewer, cookie):
     def rests() -> bool:
-        before = report(viewer, cookie)["frames"]
+        before = snapshot(viewer, cookie)["frames"]
         time.sleep(0.5)
-        return report(viewer, cookie)["frames"] == before
+        return snapshot(viewer, cookie)["frames"] == before
 
     wait_until(rests, "an end of the drawing")
 
@@ -289,7 +289,7 @@ def test_what_is_no_event_ends_nothing(viewer, cookie):
             await next_picture(socket)
 
     asyncio.run(babble())
-    assert report(viewer, cookie)["scene"] == "car-mirror"
+    assert snapshot(viewer, cookie)["scene"] == "car-mirror"
 
 
 def test_a_taken_port_is_told_in_one_line(viewer, capsys):

@@ -8,15 +8,15 @@ from itertools import count
 import pytest
 from viewer_hand import Hand
 
-from anamorph.viewer import surface
-from anamorph.viewer.starting import start
+from anamorph.viewer import canvas
+from anamorph.viewer.starting import start_of
 
 Point = tuple[float, float]
 
 
 @pytest.fixture
 def hand() -> Iterator[Hand]:
-    hand = Hand(start("flat-mirror", "environment"), size=(560, 300))
+    hand = Hand(start_of("flat-mirror", "environment"), size=(560, 300))
     yield hand
     hand.close()
 
@@ -41,17 +41,17 @@ def slide(hand: Hand, place: Point, up: float, right: float = 0.0, finger: bool 
 
 def top(hand: Hand, key: str = "section/scene") -> float:
     """Where a widget of the panel stands, logical pixels from the top."""
-    return hand.viewer.report()["rectangles"][key][1]
+    return hand.viewer.snapshot()["rectangles"][key][1]
 
 
-@pytest.mark.parametrize("key", ["section/scene", "first/method", "first/options", "first/layer/error", "split"])
+@pytest.mark.parametrize("key", ["section/scene", "first/method", "first/options", "first/aspect/error", "split"])
 def test_a_finger_scrolls_the_panel_and_presses_nothing_that_it_came_down_on(hand, key):
     before, state = top(hand), hand.viewer.state
-    widgets = hand.viewer.report()["rectangles"].keys()
+    widgets = hand.viewer.snapshot()["rectangles"].keys()
     slide(hand, hand.widget(key, 0.7), 100.0)
     assert before - 100.0 <= top(hand) <= before - 80.0
     assert hand.viewer.state == state
-    assert hand.viewer.report()["rectangles"].keys() == widgets, "nothing has been folded or opened"
+    assert hand.viewer.snapshot()["rectangles"].keys() == widgets, "nothing has been folded or opened"
     slide(hand, (265.0, 150.0), -200.0)
     assert top(hand) == before
 
@@ -81,7 +81,7 @@ def test_a_finger_drags_a_slider_and_the_bar_of_the_scroll(hand):
 def test_a_finger_on_an_open_list_leaves_the_panel_where_it_is(hand):
     before = top(hand)
     slide(hand, hand.widget("first/method"), 0.0)
-    assert "first/method/raytrace" in hand.viewer.report()["rectangles"]
+    assert "first/method/raytrace" in hand.viewer.snapshot()["rectangles"]
     slide(hand, hand.widget("first/method/raytrace"), 40.0)
     assert top(hand) == before
 
@@ -92,13 +92,13 @@ def test_a_tap_presses(hand):
     slide(hand, hand.widget("split", 0.05), 0.0)
     assert not hand.viewer.state.split
     slide(hand, hand.widget("section/scene"), 0.0)
-    assert "mirror/swivel" not in hand.viewer.report()["rectangles"]
+    assert "mirror/swivel" not in hand.viewer.snapshot()["rectangles"]
 
 
 @pytest.fixture
 def clock(monkeypatch):
     """Time goes on by a sixtieth of a second a frame, however long the frame takes."""
-    monkeypatch.setattr(surface, "perf_counter", count(0.0, 1.0 / 60.0).__next__)
+    monkeypatch.setattr(canvas, "perf_counter", count(0.0, 1.0 / 60.0).__next__)
 
 
 def test_a_double_tap_on_a_slider_opens_it_for_typing(clock, hand):

@@ -20,24 +20,24 @@ from anamorph.viewer.controls import scene_controls
 from anamorph.viewer.facts import Facts, Figures, Inspection, Progress, Request, Stop
 from anamorph.viewer.home import first_observer
 from anamorph.viewer.layout import picture_area
-from anamorph.viewer.panel import report
+from anamorph.viewer.panel import results
 from anamorph.viewer.panel.legend import half_caption
 from anamorph.viewer.panel.methods import (
+    ASPECTS,
     BOUNCES,
     DRAWINGS,
-    LAYERS,
     RESOLUTIONS,
     SAMPLES,
     UNITS,
     few_bounces,
     specification,
 )
-from anamorph.viewer.panel.report import PATHS, SAVED
+from anamorph.viewer.panel.results import PATHS, SAVED
 from anamorph.viewer.panel.scene import SIDES, curvature_text
 from anamorph.viewer.panel.sheet import broken
 from anamorph.viewer.panel.wording import decimals, figure, number_text
 from anamorph.viewer.shortcuts import SHORTCUTS
-from anamorph.viewer.state import Drawing, EyeSide, Half, Layer, State
+from anamorph.viewer.state import Aspect, Drawing, EyeSide, Half, State
 
 SIZE = (800, 600)
 SIZES = [((640, 480), 1.0), ((800, 600), 2.0), ((1280, 720), 1.0), ((1920, 1080), 1.0)]
@@ -84,8 +84,8 @@ def pressed(stage: Stage, *keys: str) -> State:
 @pytest.mark.parametrize(
     ("keys", "changes"),
     [
-        (["first/layer/error"], {"first": Half("pervertex", Layer.ERROR)}),
-        (["first/layer/status"], {"first": Half("pervertex", Layer.STATUS)}),
+        (["first/aspect/error"], {"first": Half("pervertex", Aspect.ERROR)}),
+        (["first/aspect/status"], {"first": Half("pervertex", Aspect.STATUS)}),
         (["first/method", "first/method/environment"], {"first": Half("environment")}),
         (["first/options", "first/mipmaps"], {"first": Half("pervertex:mipmaps=true")}),
         (["first/options", "first/wide", "first/wide/cube"], {"first": Half("pervertex:wide=cube")}),
@@ -119,12 +119,12 @@ def test_a_widget_changes_its_own_field_and_no_other(opened, keys, changes) -> N
 
 
 def test_widgets_that_only_sometimes_show_change_their_own_field_too(opened) -> None:
-    stage = opened(split=True, second=Half("pervertex:refine=3", Layer.ERROR), picked=(0.5, 0.5))
+    stage = opened(split=True, second=Half("pervertex:refine=3", Aspect.ERROR), picked=(0.5, 0.5))
     start = stage.state
-    state = pressed(stage, "second/layer/status")
-    assert state == replace(start, second=Half("pervertex:refine=3", Layer.STATUS))
-    state = pressed(stage, "first/layer/error", "unit/px")
-    assert (state.first.layer, state.unit) == (Layer.ERROR, "px")
+    state = pressed(stage, "second/aspect/status")
+    assert state == replace(start, second=Half("pervertex:refine=3", Aspect.STATUS))
+    state = pressed(stage, "first/aspect/error", "unit/px")
+    assert (state.first.aspect, state.unit) == (Aspect.ERROR, "px")
     assert pressed(stage, "inspection/clear") == replace(state, picked=None)
 
 
@@ -281,7 +281,7 @@ TOLD = {
 
 @pytest.mark.parametrize(("size", "ratio"), SIZES)
 def test_nothing_overlaps_and_all_lies_in_the_canvas_or_the_scrolled_panel(opened, size, ratio) -> None:
-    first, second = Half("environment", Layer.STATUS), Half("pervertex:refine=3,wide=cube", Layer.ERROR)
+    first, second = Half("environment", Aspect.STATUS), Half("pervertex:refine=3,wide=cube", Aspect.ERROR)
     stage = opened(size, ratio, told=TOLD, split=True, first=first, second=second, picked=(0.5, 0.5))
     stage.state = replace(stage.state, views=(CAMERA, replace(CAMERA, position=(-12345.678,) * 3)))
     stage.press("first/options")
@@ -325,7 +325,7 @@ def test_the_help_lists_every_key_within_the_canvas(opened, size) -> None:
 @pytest.mark.parametrize("divider", [0.0, 0.02, 0.5, 0.98, 1.0])
 @pytest.mark.parametrize("panel", [True, False])
 def test_legends_keep_to_their_half(opened, divider, panel) -> None:
-    half = Half("pervertex", Layer.ERROR)
+    half = Half("pervertex", Aspect.ERROR)
     stage = opened(split=True, divider=divider, first=half, second=half, panel=panel)
     left, _, right, _ = picture_area(SIZE, panel)
     found, x = stage.drawn.rectangles, left + divider * (right - left)
@@ -338,9 +338,9 @@ def test_legends_keep_to_their_half(opened, divider, panel) -> None:
 
 
 def test_words_fit_the_buttons_they_stand_on(opened) -> None:
-    stage = opened(first=Half("pervertex", Layer.ERROR))
+    stage = opened(first=Half("pervertex", Aspect.ERROR))
     pressed(stage, "section/quality", "section/save")
-    groups = {"first/layer": LAYERS, "unit": UNITS, "samples": SAMPLES, "resolution": RESOLUTIONS, "eye/side": SIDES}
+    groups = {"first/aspect": ASPECTS, "unit": UNITS, "samples": SAMPLES, "resolution": RESOLUTIONS, "eye/side": SIDES}
     words = {f"{key}/{value}": text for key, choices in groups.items() for value, text in choices}
     words |= {str(request): text for request, text, _ in SAVED}
     widths = stage.measure(words.values())
@@ -400,7 +400,7 @@ def test_a_view_that_opens_with_a_picked_pixel_begins_at_its_top(opened) -> None
 def told_by(monkeypatch, opened, **told) -> dict[str, tuple[str, ...]]:
     """The rows of the section Timing."""
     rows: dict[str, tuple[str, ...]] = {}
-    monkeypatch.setattr(report, "row", lambda label, *values: rows.update({label: values}))
+    monkeypatch.setattr(results, "row", lambda label, *values: rows.update({label: values}))
     pressed(opened(told=told), "section/timing")
     return rows
 
@@ -446,7 +446,7 @@ def test_what_is_said_waits_behind_the_help(opened) -> None:
 )
 def test_lines_end_between_words(opened, monkeypatch, text, width) -> None:
     lines: list[str] = []
-    monkeypatch.setattr(report, "caption", lambda _: lines.extend([] if lines else broken(text, width).split("\n")))
+    monkeypatch.setattr(results, "caption", lambda _: lines.extend([] if lines else broken(text, width).split("\n")))
     stage = opened()
     assert " ".join(lines).split() == text.split() and len(lines) > 0
     widths = stage.measure(lines)
@@ -461,7 +461,7 @@ def test_lines_end_between_words(opened, monkeypatch, text, width) -> None:
 )
 def test_a_method_is_called_the_same_over_the_picture_and_beside_it(opened, monkeypatch, specification, said) -> None:
     rows = {}
-    monkeypatch.setattr(report, "row", lambda label, *values: rows.update({label: values}))
+    monkeypatch.setattr(results, "row", lambda label, *values: rows.update({label: values}))
     stage = opened(told={"inspection": replace(SEEN, method=specification)}, picked=(0.5, 0.5))
     assert rows["method"] == (said,) and half_caption(Half(specification), stage.state) == said
 
@@ -540,12 +540,12 @@ def test_a_curvature_has_the_digits_that_its_slider_sets(opened, scene, limit, c
 
 def test_the_panel_says_how_errors_come_to_be_measured(opened, monkeypatch) -> None:
     said: list[str] = []
-    monkeypatch.setattr(report, "caption", said.append)
+    monkeypatch.setattr(results, "caption", said.append)
     opened()
-    assert report.UNASKED in said
+    assert results.UNASKED in said
     said.clear()
-    opened(first=Half("pervertex", Layer.ERROR))
-    assert report.UNASKED not in said and any("nothing moves" in text for text in said)
+    opened(first=Half("pervertex", Aspect.ERROR))
+    assert results.UNASKED not in said and any("nothing moves" in text for text in said)
     said.clear()
     opened(picked=(0.5, 0.5))
-    assert report.UNASKED not in said
+    assert results.UNASKED not in said

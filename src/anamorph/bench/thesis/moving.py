@@ -9,7 +9,7 @@ import numpy as np
 
 from anamorph.base.errors import AnamorphError
 from anamorph.frame import View
-from anamorph.measure.timing import ORBIT, Timing, eye_path, time_in_turn
+from anamorph.measure.frame_times import ORBIT, Timing, eye_path, time_in_turn
 from anamorph.methods import parse
 from anamorph.methods.protocol import Session
 from anamorph.raymesh import RayMesh

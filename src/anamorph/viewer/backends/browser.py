@@ -29,17 +29,17 @@ SIGNALS = (signal.SIGINT, signal.SIGTERM)
 SCRIPTS = {"page.js": "text/javascript", "input.js": "text/javascript", "page.css": "text/css"}
 
 
-def serve(beginning: Start, port: int, size: tuple[int, int], tell: Callable[[str], object]) -> None:
+def serve(start: Start, port: int, size: tuple[int, int], announce: Callable[[str], object]) -> None:
     """Serve the viewer to browsers on this machine, until the process is interrupted.
 
     Parameters
     ----------
-    beginning : Start
+    start : Start
     port : int
         0 for any that is free.
     size : (width, height)
         Of the picture until a browser tells its own.
-    tell : callable
+    announce : callable
         Is given the link.
 
     Raises
@@ -50,7 +50,7 @@ def serve(beginning: Start, port: int, size: tuple[int, int], tell: Callable[[st
     with _listen(port) as listener:
         canvas = HttpRenderCanvas(max_fps=MOST_PICTURES, vsync=False)
         canvas._size_info.set_physical_size(*size, 1.0)
-        viewer = Viewer(canvas, beginning, loop.call_later)
+        viewer = Viewer(canvas, start, loop.call_later)
         stream = bounded(_drawing, lambda: viewer.frames)
         gate = Gate(stream, listener.getsockname()[1], _contents(viewer))
         config = uvicorn.Config(
@@ -67,7 +67,7 @@ def serve(beginning: Start, port: int, size: tuple[int, int], tell: Callable[[st
             # What is sent has been compressed as a picture.
             ws_per_message_deflate=False,
         )
-        tell(gate.link)
+        announce(gate.link)
         # The server hands on the signal that has ended it, and here it has done its work.
         with _handlers(lambda *_: None):
             uvicorn.Server(config).run([listener])
@@ -94,7 +94,7 @@ def _contents(viewer: Viewer) -> dict[str, Content]:
     for name in ("renderview.js", "renderview.css"):
         media, resource = http.resources[name]
         contents[name] = media, partial(str, resource)
-    contents["report.json"] = "application/json", lambda: json.dumps(viewer.report(), allow_nan=False)
+    contents["snapshot.json"] = "application/json", lambda: json.dumps(viewer.snapshot(), allow_nan=False)
     return contents
 
 

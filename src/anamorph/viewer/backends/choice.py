@@ -11,15 +11,15 @@ from anamorph.scene.camera import Camera
 from anamorph.scene.model import Scene
 from anamorph.viewer.backends.desktop import SIZE, has_display, open_window
 from anamorph.viewer.backends.notebook import in_notebook, make_widget
-from anamorph.viewer.starting import Start, start
+from anamorph.viewer.starting import Start, start_of
 
 
-def show(beginning: Start, backend: str = "auto", port: int = 0, size: tuple[int, int] | None = None) -> None:
+def show(start: Start, backend: str = "auto", port: int = 0, size: tuple[int, int] | None = None) -> None:
     """Show a scene, until the window is closed or the process interrupted.
 
     Parameters
     ----------
-    beginning : Start
+    start : Start
     backend : str
         "desktop", "browser", or "auto": a window where one can open, else a page.
     port : int
@@ -28,11 +28,11 @@ def show(beginning: Start, backend: str = "auto", port: int = 0, size: tuple[int
         Of the window, logical pixels.
     """
     if backend == "desktop" or (backend == "auto" and has_display()):
-        open_window(beginning, size)
+        open_window(start, size)
     else:
         from anamorph.viewer.backends.browser import serve
 
-        serve(beginning, port, size or SIZE, _print_link)
+        serve(start, port, size or SIZE, _print_link)
 
 
 def view(
@@ -62,10 +62,10 @@ def view(
     """
     if camera is not None:
         scene = dataclasses.replace(scene if isinstance(scene, Scene) else open_scene(scene)[0], camera=camera)
-    beginning = start(scene, method)
+    start = start_of(scene, method)
     if in_notebook():
-        return make_widget(beginning, size)
-    return show(beginning, size=size)
+        return make_widget(start, size)
+    return show(start, size=size)
 
 
 def _print_link(link: str) -> None:

@@ -33,12 +33,12 @@ def has_display() -> bool:
         return bool(glfw.init())
 
 
-def open_window(beginning: Start, size: tuple[int, int] | None = None) -> None:
+def open_window(start: Start, size: tuple[int, int] | None = None) -> None:
     """Show the viewer in a window, until that is closed.
 
     Parameters
     ----------
-    beginning : Start
+    start : Start
     size : (width, height), optional
         Of the window, logical pixels.
 
@@ -54,7 +54,7 @@ def open_window(beginning: Start, size: tuple[int, int] | None = None) -> None:
     from anamorph.viewer.application import Viewer
 
     canvas = GlfwRenderCanvas(size=size or _fitting(), max_fps=MOST_PICTURES, vsync=True)
-    viewer = Viewer(canvas, beginning, loop.call_later)
+    viewer = Viewer(canvas, start, loop.call_later)
 
     async def mind_interrupts() -> None:
         # The library's own handler would close the window in the midst of a picture. Windows has no other.

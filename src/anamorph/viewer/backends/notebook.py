@@ -20,12 +20,12 @@ def in_notebook() -> bool:
     return marimo is not None and marimo.running_in_notebook()
 
 
-def make_widget(beginning: Start, size: tuple[int, int]) -> Any:
+def make_widget(start: Start, size: tuple[int, int]) -> Any:
     """The viewer as a widget, which shows itself as the last value of a cell.
 
     Parameters
     ----------
-    beginning : Start
+    start : Start
     size : (width, height)
         Logical pixels.
 
@@ -43,19 +43,19 @@ def make_widget(beginning: Start, size: tuple[int, int]) -> Any:
     # Where there is none, the cell says so.
     get_device()
     canvas = Widget(size=size, max_fps=MOST_PICTURES, vsync=False)
-    canvas.follow_views(_Seen(canvas, beginning, loop.call_later).follow)
+    canvas.follow_views(_WidgetViewer(canvas, start, loop.call_later).follow)
     return canvas
 
 
-class _Seen:
+class _WidgetViewer:
     """The viewer of a widget while somebody sees it, and in between what it takes to go on.
 
     Python keeps every widget: also those whose cell was run again, and those that were never shown.
     """
 
-    def __init__(self, canvas: Any, beginning: Start, later: Later) -> None:
+    def __init__(self, canvas: Any, start: Start, later: Later) -> None:
         self._canvas, self._later = canvas, later
-        self._start, self._state = beginning, beginning.state
+        self._start, self._state = start, start.state
         self._viewer: Viewer | None = None
 
     def follow(self, views: int) -> None:

@@ -47,7 +47,7 @@ def bounded(inside: Application, drawn: Callable[[], int]) -> Application:
     async def application(scope: Any, receive: Any, send: Any) -> None:
         if scope["type"] == "websocket":
             page = _Page(receive, send, drawn)
-            await inside(scope, page.hear, page.tell)
+            await inside(scope, page.receive, page.send)
         else:
             await inside(scope, receive, send)
 
@@ -55,14 +55,14 @@ def bounded(inside: Application, drawn: Callable[[], int]) -> Application:
 
 
 class _Page:
-    """One connection: `hear` and `tell` stand for its `receive` and `send`."""
+    """One connection: `receive` and `send` stand for those of the server."""
 
     def __init__(self, receive: Any, send: Any, drawn: Callable[[], int]) -> None:
         self._receive, self._send, self._drawn = receive, send, drawn
         self._pictures = self._waiting = 0
         self._seen = drawn()
 
-    async def hear(self) -> Any:
+    async def receive(self) -> Any:
         """The next message that means something."""
         while True:
             message = await self._receive()
@@ -74,12 +74,12 @@ class _Page:
             if self._waiting > MOST_WAITING:
                 # One that takes nothing does not even take this.
                 with suppress(ClientDisconnected):
-                    await self.tell({"type": "websocket.close", "code": TRY_AGAIN_LATER})
+                    await self.send({"type": "websocket.close", "code": TRY_AGAIN_LATER})
                 return {"type": "websocket.disconnect", "code": TRY_AGAIN_LATER}
             if self._is_meant(message.get("text") or ""):
                 return message
 
-    async def tell(self, message: Any) -> None:
+    async def send(self, message: Any) -> None:
         """Send, to a page that takes it."""
         self._pictures += message.get("bytes") is not None
         try:

@@ -27,18 +27,18 @@ class Widget(AnywidgetRenderCanvas):
     _views = Int(0).tag(sync=True)
 
     def __init__(self, **options: Any) -> None:
-        self._home = asyncio.get_running_loop()
+        self._loop = asyncio.get_running_loop()
         super().__init__(**options)
 
     def follow_views(self, act: Callable[[int], object]) -> None:
         """Have `act` called with the number of views, whenever it has changed."""
-        self.observe(lambda change: self._home.call_soon_threadsafe(act, change["new"]), "_views")
+        self.observe(lambda change: self._loop.call_soon_threadsafe(act, change["new"]), "_views")
 
     def _rfb_handle_msg(self, widget: Any, content: dict[str, Any], buffers: list[bytes]) -> None:
-        self._home.call_soon_threadsafe(partial(super()._rfb_handle_msg, widget, content, buffers))
+        self._loop.call_soon_threadsafe(partial(super()._rfb_handle_msg, widget, content, buffers))
 
     def _rfb_schedule_maybe_draw(self, *changes: Any) -> None:
-        self._home.call_soon_threadsafe(self._rfb_maybe_draw)
+        self._loop.call_soon_threadsafe(self._rfb_maybe_draw)
 
     def _rc_close(self) -> None:
         # The library's closes again without end.

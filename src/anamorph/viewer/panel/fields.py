@@ -13,8 +13,8 @@ from anamorph.viewer.panel.sheet import Sheet, field_width, sign, text_width, ti
 from anamorph.viewer.panel.touch import typing_by_double_tap
 from anamorph.viewer.panel.wording import decimals, number_text
 
-MARK, TICK = 2.0, 3.0
-"""Width of the mark at a slider's value, and its height at either edge."""
+GRAB, TICK = 2.0, 3.0
+"""Width of the grab at a slider's value, and its height at either edge."""
 
 
 @dataclass(frozen=True)
@@ -83,7 +83,7 @@ def number(
     with typing_by_double_tap():
         changed, new = imgui.slider_float(f"##{key}", value, *ends, f"%.{places}f", flags)
     imgui.pop_style_color(3)
-    sheet.mark(key)
+    sheet.note(key)
     sheet.drag(key)
     if imgui.is_item_activated():
         _note_cut(key, False)
@@ -106,7 +106,7 @@ def number(
     if _was_cut(key):
         side, end = ("most", high) if value > low else ("least", low)
         wrapped(f"at {side} {number_text(end, places, unit)}", theme.WARNING)
-        sheet.mark(f"{key}/limit")
+        sheet.note(f"{key}/limit")
     return value
 
 
@@ -115,7 +115,7 @@ def text(sheet: Sheet, key: str, label: str, value: str, summary: str = "") -> s
     wrapped(label, theme.FAINT)
     imgui.set_next_item_width(field_width())
     _, value = imgui.input_text(f"##{key}", value, imgui.InputTextFlags_.enter_returns_true)
-    sheet.mark(key)
+    sheet.note(key)
     sheet.drag(key)
     tip(summary)
     return value
@@ -133,13 +133,13 @@ def word(sheet: Sheet, key: str, label: str, value: str, choices: Sequence[Choic
     opened = imgui.begin_combo(f"##{key}", "", imgui.ComboFlags_.height_largest)
     # Inside an opened list the last item is the list's, and so are its rectangle and its words.
     if not opened:
-        sheet.mark(key)
+        sheet.note(key)
         _words(label, said, arrow)
         tip(summary)
         return value
     value = _listed(sheet, key, value, choices)
     imgui.end_combo()
-    sheet.mark(key)
+    sheet.note(key)
     _words(label, said, arrow)
     sheet.cover_canvas()
     return value
@@ -153,7 +153,7 @@ def _listed(sheet: Sheet, key: str, value: str, choices: Sequence[Choice]) -> st
         if imgui.selectable(f"{each.text}##{key}/{each.value}", each.value == value)[0]:
             chosen = each.value
         imgui.end_disabled()
-        sheet.mark(f"{key}/{each.value}")
+        sheet.note(f"{key}/{each.value}")
         tip(each.reason or each.summary)
     imgui.pop_style_color()
     return chosen
@@ -196,20 +196,20 @@ def _share(value: float, low: float, high: float, logarithmic: bool) -> float:
 
 
 def _fill(start: float, share: float) -> None:
-    """Colour the last item from nought up to the value, and mark the value above and below the words."""
+    """Colour the last item from nought up to the value, and draw the grab at the value above and below the words."""
     low, high = imgui.get_item_rect_min(), imgui.get_item_rect_max()
     color = theme.FILL_UNDER if imgui.is_item_hovered() or imgui.is_item_active() else theme.FILL
     across, lines = high.x - low.x, imgui.get_window_draw_list()
     left, right = (low.x + end * across for end in sorted((start, share)))
     lines.add_rect_filled((left, low.y), (right, high.y), imgui.get_color_u32(color))
-    x = low.x + share * (across - MARK)
+    x = low.x + share * (across - GRAB)
     for top, bottom in ((low.y, low.y + TICK), (high.y - TICK, high.y)):
-        lines.add_rect_filled((x, top), (x + MARK, bottom), imgui.get_color_u32(theme.ACCENT))
+        lines.add_rect_filled((x, top), (x + GRAB, bottom), imgui.get_color_u32(theme.ACCENT))
 
 
-def _words(label: str, said: str, room: float = 0.0) -> None:
+def _words(label: str, said: str, margin: float = 0.0) -> None:
     """Write a label at the left and a value at the right of the last item."""
     low, high = imgui.get_item_rect_min(), imgui.get_item_rect_max()
     lines, y = imgui.get_window_draw_list(), low.y + 3.0
     lines.add_text((low.x + 6.0, y), imgui.get_color_u32(theme.FAINT), label)
-    lines.add_text((high.x - room - 6.0 - text_width(said), y), imgui.get_color_u32(theme.TEXT), said)
+    lines.add_text((high.x - margin - 6.0 - text_width(said), y), imgui.get_color_u32(theme.TEXT), said)

@@ -12,11 +12,11 @@ from imgui_bundle import imgui
 
 from anamorph.measure.heatmap import VIRIDIS
 from anamorph.viewer.facts import Rectangle
-from anamorph.viewer.measured import ERROR_MARKS, STATUS_COLORS, Color, scale_ticks
+from anamorph.viewer.measured import ERROR_COLORS, STATUS_COLORS, Color, scale_ticks
 from anamorph.viewer.panel import theme
 from anamorph.viewer.panel.sheet import Sheet
 from anamorph.viewer.panel.wording import method_text, name_text
-from anamorph.viewer.state import Half, Layer, State
+from anamorph.viewer.state import Aspect, Half, State
 
 HANDLE = (7.0, 22.0)
 """Half the width and half the height of the divider's handle."""
@@ -53,26 +53,26 @@ def draw_legends(sheet: Sheet, state: State, free: Rectangle, area: Rectangle) -
     halves = (("first", state.first, left, min(x, right)), ("second", state.second, max(x, left), right))
     lowest = top
     for key, half, start, end in halves if state.split else (("first", state.first, left, right),):
-        room = (start + theme.MARGIN, top + theme.MARGIN, end - theme.MARGIN, bottom - theme.MARGIN)
-        ends = _caption(sheet, f"{key}/caption", half_caption(half, state), room)
+        free = (start + theme.MARGIN, top + theme.MARGIN, end - theme.MARGIN, bottom - theme.MARGIN)
+        ends = _caption(sheet, f"{key}/caption", half_caption(half, state), free)
         lowest = max(lowest, ends)
-        room = (room[0], max(ends, top) + theme.MARGIN, room[2], room[3])
-        if half.layer is Layer.ERROR:
-            _scale(sheet, f"{key}/scale", state.unit, room)
-        elif half.layer is Layer.STATUS:
-            _statuses(sheet, f"{key}/statuses", room)
+        free = (free[0], max(ends, top) + theme.MARGIN, free[2], free[3])
+        if half.aspect is Aspect.ERROR:
+            _scale(sheet, f"{key}/scale", state.unit, free)
+        elif half.aspect is Aspect.STATUS:
+            _statuses(sheet, f"{key}/statuses", free)
     return lowest
 
 
 def half_caption(half: Half, state: State) -> str:
     """What a half shows, in words."""
     said = method_text(half.method)
-    return said if half.layer is Layer.PICTURE else f"{said}, {half.layer}"
+    return said if half.aspect is Aspect.PICTURE else f"{said}, {half.aspect}"
 
 
-def _caption(sheet: Sheet, key: str, text: str, room: Rectangle) -> float:
-    """A text at the top left of `room`, over as many lines as it needs; where it ends."""
-    left, top, right, _ = room
+def _caption(sheet: Sheet, key: str, text: str, free: Rectangle) -> float:
+    """A text at the top left of `free`, over as many lines as it needs; where it ends."""
+    left, top, right, _ = free
     across = right - left - 2.0 * PAD
     if across < max(imgui.calc_text_size(word).x for word in text.split()):
         return top - theme.MARGIN
@@ -85,15 +85,15 @@ def _caption(sheet: Sheet, key: str, text: str, room: Rectangle) -> float:
     return top + size.y + PAD
 
 
-def _scale(sheet: Sheet, key: str, unit: str, room: Rectangle) -> None:
-    """The colours of errors, from the lowest at the bottom to the highest, and below the marks that stand apart."""
+def _scale(sheet: Sheet, key: str, unit: str, free: Rectangle) -> None:
+    """The colours of errors, from the lowest at the bottom to the highest, and below them those that stand apart."""
     title = f"error, {unit}"
     narrowest = imgui.calc_text_size(title).x + 2.0 * PAD
-    widest = max(narrowest, *(_swatch_width(name) for name in ERROR_MARKS))
-    # Where there is no room for both, the scale tells more than the marks.
-    marks, across = (ERROR_MARKS, widest) if widest <= room[2] - room[0] else ({}, narrowest)
-    below = PAD + BAR_HEIGHT + LINE_HEIGHT * (2.0 + len(marks))
-    if (place := _fitted(room, across, below)) is None:
+    widest = max(narrowest, *(_swatch_width(name) for name in ERROR_COLORS))
+    # Where there is too little space for both, the scale says more than the colours that stand apart.
+    apart, across = (ERROR_COLORS, widest) if widest <= free[2] - free[0] else ({}, narrowest)
+    below = PAD + BAR_HEIGHT + LINE_HEIGHT * (2.0 + len(apart))
+    if (place := _fitted(free, across, below)) is None:
         return
     left, top = place
     _ground(sheet, key, (left, top, left + across, top + below))
@@ -101,7 +101,7 @@ def _scale(sheet: Sheet, key: str, unit: str, room: Rectangle) -> None:
     imgui.get_background_draw_list().add_text((left + PAD, top + PAD / 2.0), color, title)
     low = top + PAD + 1.5 * LINE_HEIGHT + BAR_HEIGHT
     _color_bar(unit, left + PAD, low)
-    _swatches(marks, left + PAD, low + 0.5 * LINE_HEIGHT)
+    _swatches(apart, left + PAD, low + 0.5 * LINE_HEIGHT)
 
 
 def _color_bar(unit: str, x: float, low: float) -> None:
@@ -117,12 +117,12 @@ def _color_bar(unit: str, x: float, low: float) -> None:
         lines.add_text((x + BAR_WIDTH + GAP, y - LINE_HEIGHT / 2.0), color, tick)
 
 
-def _statuses(sheet: Sheet, key: str, room: Rectangle) -> None:
+def _statuses(sheet: Sheet, key: str, free: Rectangle) -> None:
     """How a pixel got its value, by colour."""
     names = {name_text(status.name): color for status, color in STATUS_COLORS.items()}
     across = max(_swatch_width(name) for name in names)
     below = PAD + LINE_HEIGHT * len(names)
-    if (place := _fitted(room, across, below)) is None:
+    if (place := _fitted(free, across, below)) is None:
         return
     left, top = place
     _ground(sheet, key, (left, top, left + across, top + below))
@@ -145,9 +145,9 @@ def _swatches(colors: Mapping[str, Color], x: float, y: float) -> None:
         lines.add_text((x + BAR_WIDTH + GAP, low), words, name)
 
 
-def _fitted(room: Rectangle, across: float, below: float) -> tuple[float, float] | None:
-    """The left top of something so large at the bottom left of `room`; None where it does not fit."""
-    left, top, right, bottom = room
+def _fitted(free: Rectangle, across: float, below: float) -> tuple[float, float] | None:
+    """The left top of something so large at the bottom left of `free`; None where it does not fit."""
+    left, top, right, bottom = free
     return (left, bottom - below) if right - left >= across and bottom - top >= below else None
 
 

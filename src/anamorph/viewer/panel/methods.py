@@ -17,9 +17,9 @@ from anamorph.viewer.panel import theme
 from anamorph.viewer.panel.fields import Choice, number, text, word
 from anamorph.viewer.panel.sheet import Sheet, button, caption, checkbox, choice, fold, section, wrapped
 from anamorph.viewer.panel.wording import size_text
-from anamorph.viewer.state import TRUTH, Drawing, Half, Layer, State
+from anamorph.viewer.state import TRUTH, Aspect, Drawing, Half, State
 
-LAYERS = ((Layer.PICTURE, "Picture"), (Layer.ERROR, "Error"), (Layer.STATUS, "Status"))
+ASPECTS = ((Aspect.PICTURE, "Picture"), (Aspect.ERROR, "Error"), (Aspect.STATUS, "Status"))
 UNITS = (("mrad", "mrad"), ("px", "pixels"))
 SAMPLES = (("1", "1"), ("2", size_text((2, 2))), ("4", size_text((4, 4))), ("8", size_text((8, 8))))
 RESOLUTIONS = (("0.0", "auto"), ("1.0", "100 %"), ("0.75", "75 %"), ("0.5", "50 %"), ("0.25", "25 %"))
@@ -57,7 +57,7 @@ def picture_section(sheet: Sheet, state: State, facts: Facts) -> State:
     if state.split:
         caption("Right half")
         state = replace(state, second=_half(sheet, "second", state.second, facts))
-    if any(half.layer is Layer.ERROR for half in state.halves):
+    if any(half.aspect is Aspect.ERROR for half in state.halves):
         caption("Errors in")
         state = replace(state, unit=choice(sheet, "unit", state.unit, UNITS))
     return state
@@ -120,7 +120,7 @@ def _half(sheet: Sheet, key: str, half: Half, facts: Facts) -> Half:
     name = half.method.partition(":")[0]
     chosen = word(sheet, f"{key}/method", "method", name, _methods(facts), getattr(METHODS.get(name), "summary", ""))
     half = half if chosen == name else replace(half, method=chosen)
-    half = replace(half, layer=Layer(choice(sheet, f"{key}/layer", half.layer, LAYERS)))
+    half = replace(half, aspect=Aspect(choice(sheet, f"{key}/aspect", half.aspect, ASPECTS)))
     try:
         method, options = parse(half.method)
     except AnamorphError as error:

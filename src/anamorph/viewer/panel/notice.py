@@ -31,7 +31,7 @@ def draw_notice(sheet: Sheet, facts: Facts, free: Rectangle) -> None:
         side, end = imgui.get_frame_height(), imgui.get_cursor_pos_x() + available()
         imgui.begin_group()
         imgui.align_text_to_frame_padding()
-        wrapped(facts.message, theme.TEXT, room=side + 6.0)
+        wrapped(facts.message, theme.TEXT, margin=side + 6.0)
         imgui.end_group()
         to_column(end - side)
         if sign(sheet, "message/close", "close", "Dismiss"):
@@ -42,7 +42,7 @@ def draw_notice(sheet: Sheet, facts: Facts, free: Rectangle) -> None:
         share = progress.done / progress.total if progress.total else 0.0
         across = available() - imgui.calc_text_size("Cancel").x - 2.0 * 6.0 - 6.0
         imgui.progress_bar(share, (across, 0.0), f"{progress.done} of {progress.total}")
-        sheet.mark("progress")
+        sheet.note("progress")
         imgui.same_line(0.0, 6.0)
         if button(sheet, "cancel", "Cancel"):
             sheet.requests.append(Request.CANCEL)

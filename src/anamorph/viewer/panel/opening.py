@@ -18,14 +18,14 @@ LONGEST_NAME = 300
 OPTIONS = "A CAD file takes the options of the command line: mirror.step --scene car-mirror --faces 1,3 --flip"
 
 ARROW = 22.0
-"""Room for the sign at the right of the name."""
+"""Width of the sign at the right of the name."""
 
 
 def scene_button(sheet: Sheet, state: State, facts: Facts, width: float) -> State:
     """The scene's name; a press shows what else there is, or hides it again."""
     if imgui.button("##opening/show", (width, 0.0)):
         state = replace(state, opening=None if state.opening is not None else "")
-    sheet.mark("opening/show")
+    sheet.note("opening/show")
     name = facts.scene.name[:LONGEST_NAME]
     low, high = imgui.get_item_rect_min(), imgui.get_item_rect_max()
     lines, color = imgui.get_window_draw_list(), imgui.get_color_u32(theme.TEXT)
@@ -52,7 +52,7 @@ def opening_page(sheet: Sheet, state: State, facts: Facts) -> State:
     imgui.set_next_item_width(field_width())
     flags = imgui.InputTextFlags_.enter_returns_true
     entered, typed = imgui.input_text_with_hint("##opening/path", "then Enter", state.opening or "", flags)
-    sheet.mark("opening/path")
+    sheet.note("opening/path")
     left = imgui.is_item_deactivated() and imgui.is_key_pressed(imgui.Key.escape)
     tip(OPTIONS)
     if entered:

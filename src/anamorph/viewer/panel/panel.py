@@ -19,7 +19,7 @@ from anamorph.viewer.panel.legend import draw_divider, draw_legends
 from anamorph.viewer.panel.methods import picture_section, quality_section, space_section
 from anamorph.viewer.panel.notice import draw_notice
 from anamorph.viewer.panel.opening import opening_page, scene_button
-from anamorph.viewer.panel.report import (
+from anamorph.viewer.panel.results import (
     figures_section,
     inspection_section,
     save_section,
@@ -94,7 +94,7 @@ def draw_panel(state: State, facts: Facts) -> Drawn:
     edge = area[0] if shown.panel else sheet.rectangles["panel/show"][2]
     lowest = draw_legends(sheet, shown, (edge, *area[1:]), area)
     _status_line(sheet, state, facts)
-    # The help may need all the room there is, and what is said waits.
+    # The help may need all the space there is; messages wait.
     if state.help:
         state = draw_help(sheet, state, facts.size)
     else:
@@ -119,9 +119,9 @@ def _panel(sheet: Sheet, state: State, facts: Facts) -> State:
     if sign(sheet, "panel/hide", "hide", "Hide the panel (Tab)"):
         state = replace(state, panel=False)
     # The bar of the scroll lies in the window's own margin; it keeps its place when there is nothing to scroll.
-    room = imgui.get_style().window_padding.x
+    padding = imgui.get_style().window_padding.x
     body = "##body" if state.opening is None else "##opening"
-    imgui.begin_child(body, (available() + room, 0.0), 0, imgui.WindowFlags_.always_vertical_scrollbar)
+    imgui.begin_child(body, (available() + padding, 0.0), 0, imgui.WindowFlags_.always_vertical_scrollbar)
     sheet.window("panel/body")
     state = _sections(sheet, state, facts) if state.opening is None else opening_page(sheet, state, facts)
     scroll_by_finger(sheet)

@@ -14,7 +14,7 @@ from anamorph.viewer.home import first_observer
 from anamorph.viewer.panel.fields import number
 from anamorph.viewer.panel.sheet import Sheet, button, caption, checkbox, choice, fold, section
 from anamorph.viewer.panel.wording import decimals, number_text
-from anamorph.viewer.state import EyeSide, State, watched_by
+from anamorph.viewer.state import EyeSide, State, with_observer
 
 SIDES = ((EyeSide.LEFT, "Left"), (EyeSide.MIDDLE, "Middle"), (EyeSide.RIGHT, "Right"))
 
@@ -29,7 +29,7 @@ def scene_section(sheet: Sheet, state: State, facts: Facts) -> State:
     controls = cached_controls(facts.scene)
     if not controls:
         caption("Nothing to turn here: the scene has no mirror and no lens.")
-        sheet.mark("scene/empty")
+        sheet.note("scene/empty")
         return state
     values = dict(state.values)
     groups = [(name, list(members)) for name, members in groupby(controls, lambda control: control.group)]
@@ -68,7 +68,7 @@ def eye_section(sheet: Sheet, state: State, facts: Facts) -> State:
         "Take the picture from aside, to see the eye, the mirror and the rays between them",
     )
     if outside != (state.observer is not None):
-        state = watched_by(state, first_observer(facts.scene, camera) if outside else None)
+        state = with_observer(state, first_observer(facts.scene, camera) if outside else None)
     if (camera != home or state.eye is not EyeSide.MIDDLE) and button(sheet, "eye/reset", "Reset the eye"):
         state = replace(state, camera=home, eye=EyeSide.MIDDLE)
     return state

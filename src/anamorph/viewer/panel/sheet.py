@@ -29,7 +29,7 @@ class Sheet:
     covered: list[Rectangle] = field(default_factory=list)
     dragged: list[str] = field(default_factory=list)
 
-    def mark(self, key: str) -> None:
+    def note(self, key: str) -> None:
         """Note the last item's rectangle."""
         low, high = imgui.get_item_rect_min(), imgui.get_item_rect_max()
         self.rectangles[key] = (low.x, low.y, high.x, high.y)
@@ -108,9 +108,9 @@ def tip(text: str) -> None:
         imgui.end_tooltip()
 
 
-def wrapped(text: str, color: theme.Color = theme.TEXT, room: float = 0.0) -> None:
-    """A text over as many lines as it needs, leaving `room` on its right."""
-    width = available() - room
+def wrapped(text: str, color: theme.Color = theme.TEXT, margin: float = 0.0) -> None:
+    """A text over as many lines as it needs, leaving a `margin` on its right."""
+    width = available() - margin
     imgui.push_style_color(imgui.Col_.text, color)
     imgui.push_text_wrap_pos(imgui.get_cursor_pos_x() + width)
     # A little narrower than where imgui breaks by itself.
@@ -151,7 +151,7 @@ def row(label: str, *values: str) -> None:
 def button(sheet: Sheet, key: str, text: str, summary: str = "", width: float = 0.0) -> bool:
     """A push button, of its text's width unless one is given."""
     pressed = imgui.button(f"{text}##{key}", (width, 0.0))
-    sheet.mark(key)
+    sheet.note(key)
     tip(summary)
     return pressed
 
@@ -160,7 +160,7 @@ def sign(sheet: Sheet, key: str, drawn: str, summary: str) -> bool:
     """A small square button with a drawn sign: "reset", "close", "hide" or "show"."""
     side = imgui.get_frame_height()
     pressed = imgui.invisible_button(f"##{key}", (side, side))
-    sheet.mark(key)
+    sheet.note(key)
     color = imgui.get_color_u32(theme.TEXT if imgui.is_item_hovered() else theme.FAINT)
     low, lines = imgui.get_item_rect_min(), imgui.get_window_draw_list()
     x, y, r = low.x + side / 2.0, low.y + side / 2.0, 4.5
@@ -228,7 +228,7 @@ def fold(sheet: Sheet, key: str, title: str, opened: bool) -> bool:
     flags |= imgui.TreeNodeFlags_.frame_padding
     flags |= imgui.TreeNodeFlags_.default_open if opened else imgui.TreeNodeFlags_.none
     shown = imgui.tree_node_ex(f"{title}##{key}", flags)
-    sheet.mark(key)
+    sheet.note(key)
     return shown
 
 
@@ -240,5 +240,5 @@ def section(sheet: Sheet, key: str, title: str, opened: bool = True) -> bool:
     imgui.push_font(theme.bold(), 0.0)
     shown = imgui.collapsing_header(f"{title}##{key}", flags)
     imgui.pop_font()
-    sheet.mark(key)
+    sheet.note(key)
     return shown

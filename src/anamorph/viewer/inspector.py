@@ -1,4 +1,4 @@
-"""Looking into a pixel: what is seen at the picked place, kept up to date as the picture changes."""
+"""What is seen at the picked pixel, kept up to date as the picture changes."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from anamorph.viewer.state import TRUTH, State, looking_eye, shown_camera
 Size = tuple[int, int]
 
 
-class Looking:
+class Inspector:
     """What is seen at the picked pixel.
 
     What the eye has looked into stays when an observer looks on, to see its path from outside; the path then follows

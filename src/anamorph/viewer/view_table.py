@@ -18,7 +18,7 @@ from anamorph.methods.averaging import MAXIMUM_SAMPLES
 from anamorph.scene.camera import Camera
 from anamorph.scene.checks import check_camera
 from anamorph.viewer.controls import MOVES, SHAPES, TURNS
-from anamorph.viewer.state import TRUTH, Drawing, EyeSide, Half, Layer, State
+from anamorph.viewer.state import TRUTH, Aspect, Drawing, EyeSide, Half, State
 
 UNITS = ("mrad", "px")
 MOST_RESOLUTION = 4.0
@@ -28,9 +28,9 @@ FAR = (-np.inf, np.inf)
 def view_of(state: State) -> dict[str, Any]:
     """What a [view] table keeps: the state but eye, method and values, which the scene file has elsewhere."""
     view: dict[str, Any] = {
-        "layer": state.first.layer.value,
+        "aspect": state.first.aspect.value,
         "second": state.second.method,
-        "second_layer": state.second.layer.value,
+        "second_aspect": state.second.aspect.value,
         "split": state.split,
         "divider": float(state.divider),
         "eye": state.eye.value,
@@ -67,8 +67,8 @@ def state_of(opened: Opened) -> State:
     table.only(*view_of(plain), "observer", "picked", "picked_outside", "views")
     return State(
         camera=opened.camera,
-        first=Half(first.method, Layer(table.choice("layer", Layer, Layer.PICTURE))),
-        second=Half(_method(table), Layer(table.choice("second_layer", Layer, Layer.PICTURE))),
+        first=Half(first.method, Aspect(table.choice("aspect", Aspect, Aspect.PICTURE))),
+        second=Half(_method(table), Aspect(table.choice("second_aspect", Aspect, Aspect.PICTURE))),
         split=table.flag("split", plain.split),
         divider=table.number("divider", plain.divider, 0.0, 1.0),
         eye=EyeSide(table.choice("eye", EyeSide, plain.eye)),

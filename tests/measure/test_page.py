@@ -21,11 +21,11 @@ from anamorph.frame import Status, View
 from anamorph.measure import compare as compare_module
 from anamorph.measure.compare import Comparison, compare
 from anamorph.measure.figures import ROWS, number, rows_of
+from anamorph.measure.frame_times import WARM_UP, Timing, eye_path, time_in_turn
 from anamorph.measure.heatmap import MILLIRADIANS, VIRIDIS, heat_map, scale_colors
-from anamorph.measure.report import report_page, specular_box
+from anamorph.measure.page import comparison_page, specular_box
 from anamorph.measure.status import status_shares
 from anamorph.measure.table import comparison_table, print_table
-from anamorph.measure.timing import WARM_UP, Timing, eye_path, time_in_turn
 from anamorph.methods.protocol import Method
 from anamorph.scene.camera import Camera
 from anamorph.scene.model import Scene
@@ -150,7 +150,7 @@ def test_a_scene_without_mirrors_has_null_errors_and_no_crash(sessions):
     figures = json.loads(comparison.to_json())["methods"]["pervertex"]
     assert figures["angular_mrad"] == {"median": None, "p95": None, "max": None}
     assert figures["flip"] is figures["silhouette_percent"] is None
-    assert "<td>-</td>" in report_page(comparison)
+    assert "<td>-</td>" in comparison_page(comparison)
 
 
 def test_the_frame_without_mirrors_takes_its_turn(sessions):
@@ -164,21 +164,21 @@ def test_the_frame_without_mirrors_takes_its_turn(sessions):
     slow = replace(slow, methods=tuple(replace(r, timing=Timing(1.0, 1.0, 1.0, 30)) for r in slow.methods))
     (row,) = (row for row in ROWS if row.label == "the frame without mirrors")
     assert [row.cell(slow, result) for result in slow.methods] == ["4.00", "4.00"]
-    assert "0.250 ms" in report_page(slow)
+    assert "0.250 ms" in comparison_page(slow)
 
 
 def test_a_scene_of_mirrors_alone_has_no_frame_without_them(sessions, capsys):
     comparison = compare(replace(SCENE, meshes=(flat_mirror(),)), ["pervertex"], (48, 32))
     assert comparison.without_mirrors is None
     assert json.loads(comparison.to_json())["without_mirrors_ms"] is None
-    assert "nothing is left of the scene" in report_page(comparison)
+    assert "nothing is left of the scene" in comparison_page(comparison)
     print_table(comparison_table(comparison))
     assert "without mirrors" in capsys.readouterr().out
 
 
 def test_progress_goes_forward_to_its_end(sessions):
     told: list[tuple[int, int]] = []
-    compare(SCENE, ["pervertex"], (48, 32), progress=lambda done, total, what: told.append((done, total)))
+    compare(SCENE, ["pervertex"], (48, 32), report=lambda done, total, what: told.append((done, total)))
     assert told == sorted(told)
     assert told[-1][0] == told[-1][1]
 
@@ -202,7 +202,7 @@ class Page(HTMLParser):
 
 
 def test_the_page_asks_for_nothing_from_outside_and_is_well_formed(comparison):
-    text = report_page(comparison)
+    text = comparison_page(comparison)
     page = Page(text)
     assert page.open == []
     assert not [tag for tag, _ in page.tags if tag in ("script", "iframe", "object")]
@@ -212,7 +212,7 @@ def test_the_page_asks_for_nothing_from_outside_and_is_well_formed(comparison):
 
 
 def test_the_page_escapes_names_and_shows_every_figure(comparison):
-    text = report_page(comparison)
+    text = comparison_page(comparison)
     assert "<b>" not in text
     assert "flat &lt;mirror&gt;" in text
     assert "Fake &amp; Sons (CPU)" in text
@@ -223,22 +223,22 @@ def test_the_page_escapes_names_and_shows_every_figure(comparison):
 
 
 def test_every_picture_is_a_png_with_words_and_every_table_cell_has_a_header(comparison):
-    page = Page(report_page(comparison))
+    page = Page(comparison_page(comparison))
     images = [attributes for tag, attributes in page.tags if tag == "img"]
     # three for each of the two methods that are not the truth, and the whole pictures
     assert len(images) == 2 * 3 + 3
     for image in images:
         assert image["alt"]
-        with Image.open(io.BytesIO(base64.b64decode(image["src"].removeprefix("data:image/png;base64,")))) as picture:
-            assert picture.format == "PNG"
-            assert (str(picture.width), str(picture.height)) == (image["width"], image["height"])
+        with Image.open(io.BytesIO(base64.b64decode(image["src"].removeprefix("data:image/png;base64,")))) as decoded:
+            assert decoded.format == "PNG"
+            assert (str(decoded.width), str(decoded.height)) == (image["width"], image["height"])
     scopes = [attributes.get("scope") for tag, attributes in page.tags if tag == "th"]
     assert scopes.count("col") == 3
     assert scopes.count("row") == len(rows_of(comparison))
 
 
 def test_the_page_says_how_pixels_got_their_value(comparison):
-    assert "got their value: warped 100 %" in report_page(comparison)
+    assert "got their value: warped 100 %" in comparison_page(comparison)
 
 
 def test_what_methods_tell_of_themselves_stands_in_rows_of_its_own(comparison, capsys):
@@ -262,7 +262,7 @@ def test_what_methods_tell_of_themselves_stands_in_rows_of_its_own(comparison, c
     assert figures["pervertex"]["status_percent"] == {"warped": 100.0}
     print_table(comparison_table(full))
     assert "1,234" in capsys.readouterr().out
-    assert "<td>1,234</td>" in report_page(full)
+    assert "<td>1,234</td>" in comparison_page(full)
 
 
 def test_status_shares_count_only_what_they_are_told_to():

@@ -19,10 +19,10 @@ MARGIN = 12
 """Pixels that are shown around the specular surfaces."""
 
 
-def report_page(comparison: Comparison) -> str:
+def comparison_page(comparison: Comparison) -> str:
     """The whole page: pictures as data, the table, the error maps with their scale, and how it was made."""
     width, height = comparison.size
-    template = Template(resources.files("anamorph.measure").joinpath("report.html").read_text(encoding="utf-8"))
+    template = Template(resources.files("anamorph.measure").joinpath("page.html").read_text(encoding="utf-8"))
     drawn = [result for result in comparison.methods if result.name != comparison.truth]
     return template.substitute(
         scene=escape(comparison.scene),
@@ -89,11 +89,11 @@ def _section(comparison: Comparison, result: MethodResult) -> str:
         ),
     )
     shares = status_shares(result.frame, maps.specular)
-    listed = ", ".join(f"{escape(status)} {number(share)} %" for status, share in shares.items()) or "not reported"
+    statuses = ", ".join(f"{escape(status)} {number(share)} %" for status, share in shares.items()) or "not known"
     return (
         f'<section aria-label="{name}"><h2>{_breakable(result.name)}</h2>\n'
         f'<div class="three">{"".join(figures)}</div>\n'
-        f"<p>How the pixels that look at a specular surface got their value: {listed}.</p></section>"
+        f"<p>How the pixels that look at a specular surface got their value: {statuses}.</p></section>"
     )
 
 

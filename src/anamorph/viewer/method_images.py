@@ -12,15 +12,16 @@ from anamorph.methods.protocol import drawing
 from anamorph.scene.camera import Camera
 from anamorph.scene.model import Scene
 from anamorph.viewer.compose import Average
-from anamorph.viewer.failures import told
+from anamorph.viewer.failures import failure_text
 
 Size = tuple[int, int]
 
 KEPT_SIZES = 4
-"""Sessions that stay open: for pictures that move, for layers that move, for what rests, and for what comes before."""
+"""Sessions that stay open: for images that move, for false-colour images that move, for what rests and for what comes
+before."""
 
 
-class MethodPictures:
+class MethodImages:
     """Pictures of a scene by the method that a specification names, each drawn in the steps that the method has.
 
     One is drawn at a time; one that is left in the midst shows nothing, and the next is begun anew.
@@ -104,7 +105,7 @@ class MethodPictures:
 
     def _fail(self, error: Exception, camera: Camera, size: Size) -> None:
         """Say why, whatever a method raises: the viewer goes on without it."""
-        self.failure = told(error, f"method {self._specification}")
+        self.failure = failure_text(error, f"method {self._specification}")
         self._failed = camera, size, self.failure
 
     def _session(self, camera: Camera, size: Size) -> Session:

@@ -11,7 +11,7 @@ from anamorph.scene.model import Glass, Scene
 
 
 @dataclass(frozen=True, eq=False)
-class Wires:
+class Wireframe:
     """Edges of a scene's specular meshes.
 
     Parameters
@@ -34,13 +34,13 @@ class Wires:
         return (self.planes @ np.append(eye, 1.0) > 0.0).any(axis=1)
 
 
-def wires_of(scene: Scene) -> Wires:
+def wireframe_of(scene: Scene) -> Wireframe:
     """The edges of all mirrors and lenses; where meshes of one mirror meet, their common edges are one."""
     glass = [(number,) for number, mesh in enumerate(scene.meshes) if isinstance(mesh.material, Glass)]
     parts = [_edges(scene, group) for group in (*connected_mirrors(scene), *glass)]
     ends = np.concatenate([np.zeros((0, 2, 3), np.float32), *(each for each, _ in parts)])
     planes = np.concatenate([np.zeros((0, 2, 4)), *(each for _, each in parts)])
-    return Wires(ends, planes, np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1))
+    return Wireframe(ends, planes, np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1))
 
 
 def _edges(scene: Scene, group: tuple[int, ...]) -> tuple[np.ndarray, np.ndarray]:

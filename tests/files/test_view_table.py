@@ -26,8 +26,8 @@ from anamorph.scene.camera import Camera
 from anamorph.scene.model import Scene
 from anamorph.viewer.controls import edited, part_edits, scene_controls
 from anamorph.viewer.saving import save_scene
-from anamorph.viewer.state import Drawing, EyeSide, Half, Layer, State, looking_into
-from anamorph.viewer.views import state_of, values_of, view_of
+from anamorph.viewer.state import Aspect, Drawing, EyeSide, Half, State, with_picked
+from anamorph.viewer.view_table import state_of, values_of, view_of
 
 SIZE = (640, 480)
 
@@ -47,14 +47,14 @@ def cameras(draw: st.DrawFn) -> Camera:
 
 def looked(state: State, picked: tuple[float, float] | None, outside: bool) -> State:
     """Looked into by who looks, or by the eye alone."""
-    return looking_into(state, picked) if outside else replace(state, picked=picked)
+    return with_picked(state, picked) if outside else replace(state, picked=picked)
 
 
 states = st.builds(
     lambda picked, outside, **others: looked(State(**others), picked, outside),
     camera=cameras(),
-    first=st.builds(Half, methods, st.sampled_from(Layer)),
-    second=st.builds(Half, methods, st.sampled_from(Layer)),
+    first=st.builds(Half, methods, st.sampled_from(Aspect)),
+    second=st.builds(Half, methods, st.sampled_from(Aspect)),
     split=st.booleans(),
     divider=shares,
     eye=st.sampled_from(EyeSide),
@@ -288,8 +288,8 @@ def test_a_name_that_is_also_a_pattern_is_none_of_a_view(tmp_path: Path) -> None
         (VIEW + "divider = 1.5\n", 6, ["divider is 1.5", "from 0 to 1"]),
         (VIEW + "divider = nan\n", 6, ["divider", "a number"]),
         (VIEW + "eye = 'lft'\n", 6, ["'lft'", "did you mean 'left'"]),
-        (VIEW + "layer = 'erorr'\n", 6, ["'erorr'", "did you mean 'error'"]),
-        (VIEW + "second_layer = 3\n", 6, ["second_layer is 3", "text"]),
+        (VIEW + "aspect = 'erorr'\n", 6, ["'erorr'", "did you mean 'error'"]),
+        (VIEW + "second_aspect = 3\n", 6, ["second_aspect is 3", "text"]),
         (VIEW + "second = 'pervertx'\n", 6, ["'pervertx'", "did you mean 'pervertex'"]),
         (VIEW + "unit = 'm'\n", 6, ["unit is 'm'", "mrad"]),
         (VIEW + "drawings = 'hits'\n", 6, ["drawings", "a list"]),

@@ -21,7 +21,7 @@ from anamorph.viewer.panel.wording import (
     size_text,
 )
 from anamorph.viewer.remembered import LEAST
-from anamorph.viewer.state import Layer, State, looking_into
+from anamorph.viewer.state import Aspect, State, with_picked
 
 SAVED = (
     (Request.SAVE_PICTURE, "Picture", "The picture as it is seen, without the panel"),
@@ -57,7 +57,7 @@ def inspection_section(sheet: Sheet, state: State, facts: Facts) -> State:
     else:
         _inspection(facts.inspection)
     if state.picked and button(sheet, "inspection/clear", "Clear"):
-        state = looking_into(state, None)
+        state = with_picked(state, None)
     return state
 
 
@@ -67,8 +67,8 @@ def figures_section(sheet: Sheet, state: State, facts: Facts) -> None:
         return
     figures = tuple(facts.figures)[: len(state.halves)]
     if not any(figures):
-        layered = any(half.layer is Layer.ERROR for half in state.halves)
-        caption("Measured when nothing moves." if layered or state.picked else UNASKED)
+        asked = any(half.aspect is Aspect.ERROR for half in state.halves)
+        caption("Measured when nothing moves." if asked or state.picked else UNASKED)
         return
     if len(figures) > 1:
         row("", "left", "right")

@@ -10,9 +10,9 @@ from anamorph.viewer.panel.panel import Drawn
 from anamorph.viewer.state import State
 
 
-def report(facts: Facts, state: State, drawn: Drawn | None, frames: int, at_rest: bool) -> dict[str, Any]:
+def snapshot(facts: Facts, state: State, drawn: Drawn | None, frames: int, at_rest: bool) -> dict[str, Any]:
     """All of it but the scene's arrays, ready for JSON."""
-    told = ("size", "picture", "full", "adapter", "frame_ms", "samples_done", "samples_total", "message")
+    copied = ("size", "picture", "full", "adapter", "frame_ms", "samples_done", "samples_total", "message")
     return {
         "scene": facts.scene.name,
         "state": asdict(state) | {"drawings": sorted(state.drawings)},
@@ -24,5 +24,5 @@ def report(facts: Facts, state: State, drawn: Drawn | None, frames: int, at_rest
         "figures": [each and asdict(each) for each in facts.figures],
         "inspection": facts.inspection and asdict(facts.inspection),
         "progress": facts.progress and asdict(facts.progress),
-        **{name: getattr(facts, name) for name in told},
+        **{name: getattr(facts, name) for name in copied},
     }

@@ -1,4 +1,4 @@
-"""What draws on the viewer's canvas: the halves, what is in space over them, and imgui over all."""
+"""What draws on the canvas: the halves, what is in space over them, and imgui over all."""
 
 from __future__ import annotations
 
@@ -97,8 +97,8 @@ class _Handlers:
             self.by_type.setdefault(each, []).append(handler)
 
 
-class Surface:
-    """A canvas, on one device."""
+class DeviceCanvas:
+    """The canvas as one device draws on it, until that is lost."""
 
     def __init__(self, canvas: BaseRenderCanvas) -> None:
         self._context = canvas.get_wgpu_context()
@@ -122,7 +122,7 @@ class Surface:
         return self._device is not get_device()
 
     def close(self) -> None:
-        """Let go of imgui; another surface can take this one's place on the canvas."""
+        """Let go of imgui; another one can take this one's place on the canvas."""
         imgui.destroy_context(self.imgui.imgui_context)
 
     def take(self, event: dict[str, Any]) -> None:

@@ -10,7 +10,7 @@ by its own ray what it sees. A shader that is not listed has the name of its mod
 | 3.1 to 3.6 | where a ray triangle sees a point: the cubic and its roots | `raytriangle` |
 | 3.7 | which scene triangles a ray triangle may see | `box_tree`, `plan` |
 | not in it | which of them it sees, and in which pieces of the image | `pairs`, `terms`, `pieces`, `polygons` |
-| not in it | which pixels see a pair; the nearest pair of each pixel | `inside`, `pixels`; `visibility` |
+| not in it | which pixels see a pair; the nearest pair of each pixel | `pixels`; `visibility` |
 | 4, 5 | in place of these two: straight lines between projected corners | `straight` |
 | 7.2.3 | rays that go on from a mirror seen in a mirror | `samples`, `following` |
 | not in it | the colour of each pixel, and of its samples at edges | `coloring`, `sighting.wgsl`, `edges.wgsl` |

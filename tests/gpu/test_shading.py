@@ -17,7 +17,8 @@ from anamorph.gallery.shapes import grid
 from anamorph.gallery.textures import checkerboard
 from anamorph.gpu.buffers import MOST_LIGHTS
 from anamorph.gpu.device import get_device
-from anamorph.gpu.drawing import draw_mesh, make_pipeline, shader_module, submit
+from anamorph.gpu.drawing import draw_mesh, make_pipeline, submit
+from anamorph.gpu.shaders import shader_module
 from anamorph.gpu.targets import begin_pass, make_target, read_texture
 from anamorph.gpu.textures import mip_levels
 from anamorph.methods.session import Stage
@@ -294,7 +295,9 @@ def test_a_light_beyond_half_floats_is_as_bright_as_they_can_be():
     render_pass = begin_pass(encoder, target)
     render_pass.set_bind_group(0, stage.buffers.shading)
     render_pass.set_bind_group(1, stage.projection.group)
-    render_pass.set_pipeline(make_pipeline(shader_module(), "scene_vertex", "scene_color", ("rgba32float",)))
+    render_pass.set_pipeline(
+        make_pipeline(shader_module("gpu/scene.wgsl"), "scene_vertex", "scene_color", ("rgba32float",))
+    )
     draw_mesh(render_pass, stage.buffers, 0)
     render_pass.end()
     submit(encoder)

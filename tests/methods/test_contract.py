@@ -12,13 +12,11 @@ import anamorph
 from anamorph.base.errors import AnamorphError
 from anamorph.frame import Status
 from anamorph.gpu.device import maximum_size
-from anamorph.gpu.drawing import shader_module
 from anamorph.methods import METHODS, make_options, parse
 
 SCENE = scene_with(spherical_mirror())
 PACKAGE = Path(anamorph.__file__).parent
 SHADERS = sorted(str(path.relative_to(PACKAGE)) for path in PACKAGE.rglob("*.wgsl"))
-BASE = {"gpu/shading.wgsl", "gpu/scene.wgsl"}
 
 
 @pytest.fixture(scope="module")
@@ -154,35 +152,6 @@ def test_values_of_the_wrong_type_are_named(key, value):
 def test_values_of_another_type_that_mean_the_same_are_taken():
     options = make_options(METHODS["pervertex"], {"antialias": 4.0, "resolution": 2})
     assert options == parse("pervertex:antialias=4,resolution=2")[1]
-
-
-@pytest.mark.parametrize("name", [name for name in SHADERS if name not in BASE])
-def test_every_shader_compiles(name):
-    warp = ("gpu/vertices.wgsl", "gpu/map.wgsl")
-    visibility = ("gpu/vertices.wgsl", "methods/trilinear/visibility.wgsl")
-    sighting = (*visibility, "methods/trilinear/sighting.wgsl")
-    # These call each other.
-    points = [f"raytriangle/{part}.wgsl" for part in ("two_floats", "cubic", "weights", "points")]
-    before = {
-        "methods/environment/environment.wgsl": ("gpu/map.wgsl",),
-        "methods/pervertex/warp.wgsl": warp,
-        "methods/pervertex/pervertex.wgsl": (*warp, "methods/pervertex/warp.wgsl"),
-        "methods/pervertex/lens.wgsl": (*warp, "methods/pervertex/warp.wgsl"),
-        "methods/pervertex/looked_up.wgsl": (*warp, "methods/pervertex/warp.wgsl", "methods/pervertex/lens.wgsl"),
-        "methods/pervertex/doubt.wgsl": (
-            *warp,
-            *(f"methods/pervertex/{part}.wgsl" for part in ("warp", "pervertex", "lens")),
-        ),
-        "methods/tracing/tiles.wgsl": ("gpu/vertices.wgsl",),
-        "methods/trilinear/visibility.wgsl": ("gpu/vertices.wgsl",),
-        "methods/trilinear/composed.wgsl": visibility,
-        "methods/trilinear/straight/straight.wgsl": visibility,
-        "methods/trilinear/sighting.wgsl": visibility,
-        "methods/trilinear/trilinear.wgsl": sighting,
-        "methods/trilinear/edges.wgsl": (*sighting, "methods/trilinear/trilinear.wgsl"),
-        **{part: tuple(other for other in points if other != part) for part in points},
-    }
-    assert shader_module(*before.get(name, ()), name) is not None
 
 
 def test_shading_is_in_one_place():

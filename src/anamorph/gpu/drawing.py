@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from importlib import resources
 from typing import Any
 
 import numpy as np
@@ -13,16 +12,9 @@ import wgpu
 from anamorph.gpu.bindings import UNIFORM, bind, layout_of
 from anamorph.gpu.buffers import VERTEX_LAYOUT, SceneBuffers, shading_layout
 from anamorph.gpu.device import get_device, of_device, once
+from anamorph.gpu.shaders import shader_module
 from anamorph.gpu.targets import COLOR_FORMAT, DEPTH_FORMAT, MAP_FORMATS, SEEN_FORMATS
 from anamorph.projection import UNIFORM_BYTES, Projection
-
-
-@of_device
-def shader_module(*names: str) -> wgpu.GPUShaderModule:
-    """Whole WGSL files of the package joined end to end, shading.wgsl and scene.wgsl first."""
-    root = resources.files("anamorph")
-    files = ["gpu/shading.wgsl", "gpu/scene.wgsl", *names]
-    return get_device().create_shader_module(code="\n".join((root / name).read_text("utf-8") for name in files))
 
 
 @of_device
@@ -128,7 +120,7 @@ def _scene_pipelines(
     mirrored: bool = False,
     sky_image: bool = True,
 ) -> ScenePipelines:
-    module = shader_module()
+    module = shader_module("gpu/scene.wgsl")
 
     def pipeline(vertex: str, fragment: str, textures: bool = True, **settings: Any) -> wgpu.GPURenderPipeline:
         constants: dict[str, float] = {"SKY_IMAGE": int(sky_image), "TEXTURES": int(textures)}

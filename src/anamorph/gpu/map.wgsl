@@ -1,4 +1,5 @@
-// Reading a map: what its projection saw at a place in it. Follows scene.wgsl.
+// Reading a map: what its projection saw at a place in it.
+// needs: gpu/scene.wgsl
 
 // The world point (w: object number), or the unit direction (w: 0), that a map sees at `place` (0 to 1, y down).
 // `depth` is the map's texel there, as scene_depth wrote it.

@@ -1,4 +1,5 @@
-// Drawing the scene's meshes and its sky through one projection: the eye's, or a map's. Follows shading.wgsl.
+// Drawing the scene's meshes and its sky through one projection: the eye's, or a map's.
+// needs: gpu/shading.wgsl
 
 struct Projection {
     clip: mat4x4f,

@@ -1,4 +1,4 @@
-// The one place where a surface point gets a colour. Every shader of the package starts with this file.
+// The one place where a surface point gets a colour.
 
 struct Light {
     // Directional: unit vector toward the light. Point: its position.

@@ -1,4 +1,4 @@
-// The scene's vertices as shaders read them from storage. Follows scene.wgsl.
+// The scene's vertices as shaders read them from storage.
 
 struct StoredVertex {
     x: f32, y: f32, z: f32,

@@ -15,8 +15,6 @@ both count: u and v are told to about 3e-14, over that derivative and over the t
 
 from __future__ import annotations
 
-from importlib import resources
-
 import numpy as np
 import wgpu
 
@@ -24,10 +22,9 @@ from anamorph.base.errors import AnamorphError
 from anamorph.gpu.bindings import STORAGE, UNIFORM, bind, layout_of
 from anamorph.gpu.buffers import storage_buffer
 from anamorph.gpu.device import get_device, of_device
+from anamorph.gpu.shaders import shader_module
 from anamorph.raytriangle.points import Projections
 from anamorph.raytriangle.scaled import ScaledRays, scaled_rays
-
-SHADERS = ("two_floats.wgsl", "cubic.wgsl", "weights.wgsl", "points.wgsl")
 
 WORKGROUP = 64
 
@@ -129,8 +126,7 @@ def _layout() -> wgpu.GPUBindGroupLayout:
 
 @of_device
 def _pipeline() -> wgpu.GPUComputePipeline:
-    root = resources.files("anamorph.raytriangle")
-    module = get_device().create_shader_module(code="\n".join((root / name).read_text("utf-8") for name in SHADERS))
+    module = shader_module("raytriangle/points.wgsl")
     layout = get_device().create_pipeline_layout(bind_group_layouts=[_layout()])
     return get_device().create_compute_pipeline(layout=layout, compute={"module": module, "entry_point": "project"})
 

@@ -1,5 +1,5 @@
-// Points projected into ray triangles: solve.py on the device. Needs two_floats.wgsl, cubic.wgsl and
-// weights.wgsl.
+// Points projected into ray triangles: solve.py on the device.
+// needs: raytriangle/two_floats.wgsl, raytriangle/cubic.wgsl, raytriangle/weights.wgsl
 //
 // Where roots lie is found in f32, from a cubic that counts t from where the middle ray passes the point; each is then
 // polished in sums of two floats, and so are its weights.

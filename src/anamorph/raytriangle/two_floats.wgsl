@@ -1,5 +1,6 @@
 // Numbers as sums of two floats: 48 bits where f32 has 24. Three at a time; what is not needed of them costs nothing.
-// Source: Dekker 1971, Knuth's two-sum. Needs a function `sealing` that returns 0u, read from a buffer.
+// needs: raytriangle/points.wgsl
+// Source: Dekker 1971, Knuth's two-sum. `sealing` returns 0u, read from a buffer.
 
 struct Two {
     hi: vec3f,

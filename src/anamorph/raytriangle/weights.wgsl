@@ -1,4 +1,5 @@
-// The ray through a point in the plane of a known t: its weights, in sums of two floats. Needs points.wgsl.
+// The ray through a point in the plane of a known t: its weights, in sums of two floats.
+// needs: raytriangle/points.wgsl
 
 // How near a valid ray passes by its point, as a share of the greater distance of point and origins from the middle:
 // two roundings to f32.

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from importlib import resources
 from typing import Any
 
 import numpy as np
@@ -11,6 +10,7 @@ import wgpu
 
 from anamorph.gpu.bindings import SAMPLER, bind, layout_of, texture
 from anamorph.gpu.device import get_device, of_device
+from anamorph.gpu.shaders import shader_module
 from anamorph.gpu.targets import COLOR_FORMAT, PIXEL_FORMAT, make_texture
 
 FRAGMENTS = ("sharp_picture", "blended_picture", "false_color")
@@ -25,12 +25,6 @@ class Shown:
 
 
 @of_device
-def _module() -> wgpu.GPUShaderModule:
-    code = (resources.files("anamorph") / "viewer/compose.wgsl").read_text("utf-8")
-    return get_device().create_shader_module(code=code)
-
-
-@of_device
 def _layout() -> wgpu.GPUBindGroupLayout:
     return layout_of(texture(), SAMPLER)
 
@@ -41,11 +35,11 @@ def _sampler() -> wgpu.GPUSampler:
 
 
 def _pipeline(fragment: str, target: dict[str, Any]) -> wgpu.GPURenderPipeline:
-    device = get_device()
+    device, module = get_device(), shader_module("viewer/compose.wgsl")
     return device.create_render_pipeline(
         layout=device.create_pipeline_layout(bind_group_layouts=[_layout()]),
-        vertex={"module": _module(), "entry_point": "canvas_vertex", "buffers": []},
-        fragment={"module": _module(), "entry_point": fragment, "targets": [target]},
+        vertex={"module": module, "entry_point": "canvas_vertex", "buffers": []},
+        fragment={"module": module, "entry_point": fragment, "targets": [target]},
         primitive={"topology": "triangle-list"},
     )
 

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from importlib import resources
-
 import numpy as np
 import wgpu
 
 from anamorph.gpu.bindings import STORAGE, UNIFORM, bind, layout_of
 from anamorph.gpu.buffers import roomy_buffer
 from anamorph.gpu.device import get_device
+from anamorph.gpu.shaders import shader_module
 from anamorph.viewer.marks import Marks
 
 CANVAS_BYTES = 4 * (16 + 4)
@@ -36,8 +35,7 @@ class LineRenderer:
         device = get_device()
         stages = wgpu.ShaderStage.VERTEX | wgpu.ShaderStage.FRAGMENT
         self._layout = layout_of(UNIFORM, STORAGE, stages=stages)
-        code = resources.files("anamorph").joinpath("viewer/lines.wgsl").read_text("utf-8")
-        module = device.create_shader_module(code=code)
+        module = shader_module("viewer/lines.wgsl")
         constants = {"HALO": HALO if halo else 0.0, "ENCODE": float(form.endswith("unorm"))}
         self._pipeline = device.create_render_pipeline(
             layout=device.create_pipeline_layout(bind_group_layouts=[self._layout]),

@@ -18,7 +18,8 @@ from anamorph.frame import View
 from anamorph.gpu.bindings import SAMPLER, STORAGE, bind, layout_of, texture
 from anamorph.gpu.buffers import storage_buffer
 from anamorph.gpu.device import of_device
-from anamorph.gpu.drawing import draw_mesh, make_pipeline, shader_module
+from anamorph.gpu.drawing import draw_mesh, make_pipeline
+from anamorph.gpu.shaders import shader_module
 from anamorph.gpu.targets import COLOR_FORMAT, MAP_FORMATS, SEEN_FORMATS, Target, make_texture, map_sampler
 from anamorph.methods.environment.cube import make_cube
 from anamorph.methods.options import check_options, option
@@ -158,7 +159,7 @@ class CubeDrawing:
         self._reflectors = [_CubeReflector(stage, body, options, layout) for body in bodies]
         self.replaced = stage.buffers.specular
         self._drawn = False
-        module = shader_module("gpu/map.wgsl", "methods/environment/environment.wgsl")
+        module = shader_module("methods/environment/environment.wgsl")
         self._color = make_pipeline(
             module,
             "scene_vertex",

@@ -1,4 +1,5 @@
-// Environment mapping: a cube map looked up by the reflected direction alone. Follows map.wgsl.
+// Environment mapping: a cube map looked up by the reflected direction alone.
+// needs: gpu/map.wgsl
 
 @group(2) @binding(0) var<storage, read> faces: array<Projection, 6>;
 @group(2) @binding(1) var cube_color: texture_cube<f32>;

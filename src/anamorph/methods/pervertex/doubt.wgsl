@@ -1,4 +1,5 @@
-// What a fragment knows of its error, in pixels of the picture. Follows warp.wgsl, pervertex.wgsl and lens.wgsl.
+// What a fragment knows of its error, in pixels of the picture.
+// needs: methods/pervertex/pervertex.wgsl, methods/pervertex/lens.wgsl
 
 // In distances from the eye to the surface: nearer nothing is expected.
 const NEAREST_PROBE = 0.02;

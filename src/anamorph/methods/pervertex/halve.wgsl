@@ -1,6 +1,12 @@
-// One mipmap level from the one below it: each texel is the mean of four. Follows scene.wgsl.
+// One mipmap level from the one below it: each texel is the mean of four.
+// needs: gpu/scene.wgsl
 
 @group(2) @binding(0) var finer: texture_2d<f32>;
+
+@vertex
+fn halving_vertex(@builtin(vertex_index) index: u32) -> @builtin(position) vec4f {
+    return covering(index, 0.0);
+}
 
 @fragment
 fn halve(@builtin(position) pixel: vec4f) -> @location(0) vec4f {

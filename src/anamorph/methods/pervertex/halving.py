@@ -8,7 +8,7 @@ import wgpu
 
 from anamorph.gpu.bindings import bind
 from anamorph.gpu.device import get_device, of_device
-from anamorph.gpu.drawing import shader_module
+from anamorph.gpu.shaders import shader_module
 from anamorph.gpu.targets import COLOR_FORMAT
 
 
@@ -39,7 +39,7 @@ def _halving_pipeline() -> wgpu.GPURenderPipeline:
     module = shader_module("methods/pervertex/halve.wgsl")
     return get_device().create_render_pipeline(
         layout="auto",
-        vertex={"module": module, "entry_point": "sky_vertex", "buffers": []},
+        vertex={"module": module, "entry_point": "halving_vertex", "buffers": []},
         fragment={"module": module, "entry_point": "halve", "targets": [{"format": COLOR_FORMAT}]},
         primitive={"topology": "triangle-list"},
     )

@@ -1,5 +1,6 @@
 // Per-vertex refraction: a lens drawn with the map, for light of one colour or of three in one pass.
-// Kakimoto et al. 2007, section 4.5. Follows warp.wgsl.
+// needs: methods/pervertex/warp.wgsl
+// Kakimoto et al. 2007, section 4.5.
 
 // A flag of a triangle: it has lookups and rays for green, red and blue.
 const THREE_COLORS = 4u;

@@ -1,5 +1,5 @@
-// Which texels of a map are looked up. Depth is nearest everywhere else, so that nothing is shaded there. Follows
-// lens.wgsl.
+// Which texels of a map are looked up. Depth is nearest everywhere else, so that nothing is shaded there.
+// needs: methods/pervertex/lens.wgsl
 
 // 1 for lenses, which have rays beside their lookups.
 override REFRACTS: i32 = 0;

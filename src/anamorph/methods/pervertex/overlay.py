@@ -11,7 +11,8 @@ import wgpu
 
 from anamorph.gpu.buffers import storage_buffer
 from anamorph.gpu.device import get_device
-from anamorph.gpu.drawing import make_pipeline, shader_module
+from anamorph.gpu.drawing import make_pipeline
+from anamorph.gpu.shaders import shader_module
 from anamorph.gpu.targets import COLOR_FORMAT
 
 BALL_VERTICES = 6 * 10 * 6

@@ -1,4 +1,5 @@
-// A check for the eye: balls where vertex rays hit the scene, and the wireframe of the mesh they leave. Follows scene.wgsl.
+// A check for the eye: balls where vertex rays hit the scene, and the wireframe of the mesh they leave.
+// needs: gpu/scene.wgsl
 
 const WIRE_COLOR = vec3f(1.0, 1.0, 1.0);
 // Slices around and stacks from pole to pole of a ball; overlay.py draws 6 vertices for each cell.

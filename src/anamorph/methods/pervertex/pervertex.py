@@ -19,7 +19,8 @@ import wgpu
 from anamorph.base.errors import AnamorphError
 from anamorph.frame import View
 from anamorph.gpu.device import get_device
-from anamorph.gpu.drawing import bind_scene, make_pipeline, shader_module, submit
+from anamorph.gpu.drawing import bind_scene, make_pipeline, submit
+from anamorph.gpu.shaders import shader_module
 from anamorph.gpu.targets import COLOR_FORMAT, MAP_FORMATS, SEEN_FORMATS, Target, begin_pass, make_texture, read_texture
 from anamorph.methods.options import check_options
 from anamorph.methods.pervertex.atlas import MapKind
@@ -82,10 +83,7 @@ class PerVertexDrawing:
         self._picture: Picture | None = None
         self._camera: Camera | None = None
         self._marks = Marks(bodies, options.overlay, options.antialias) if options.overlay != "none" else None
-        module = shader_module(
-            "gpu/vertices.wgsl", "gpu/map.wgsl",
-            *(f"methods/pervertex/{name}.wgsl" for name in ("warp", "pervertex", "lens", "doubt", "looked_up")),
-        )  # fmt: skip
+        module = shader_module("methods/pervertex/doubt.wgsl", "methods/pervertex/looked_up.wgsl")
         constants: dict[str, float] = {
             "REFINEMENTS": options.refine,
             "MIPMAPS": int(options.mipmaps),

@@ -1,5 +1,6 @@
 // Per-vertex reflection, second pass: a mirror drawn with the map, warped so that every vertex is exact.
-// Kakimoto et al. 2007, sections 3.1 (step 4) and 3.4. Follows warp.wgsl.
+// needs: methods/pervertex/warp.wgsl
+// Kakimoto et al. 2007, sections 3.1 (step 4) and 3.4.
 
 struct ReflectorFragment {
     @builtin(position) @invariant pixel: vec4f,

@@ -1,4 +1,5 @@
-// Looking up a map: where a fragment finds what its ray meets. Follows vertices.wgsl and map.wgsl.
+// Looking up a map: where a fragment finds what its ray meets.
+// needs: gpu/map.wgsl, gpu/vertices.wgsl
 //
 // Kakimoto et al. 2007, section 3.4. Beyond the paper: a fragment knows its own ray, and the map knows the world
 // position of each of its texels. So the fragment can see how far what it looked up lies from its ray, and step through

@@ -11,7 +11,8 @@ import wgpu
 from anamorph.gpu.bindings import STORAGE, UNIFORM, bind, layout_of
 from anamorph.gpu.buffers import SceneBuffers, roomy_buffer
 from anamorph.gpu.device import get_device
-from anamorph.gpu.drawing import make_pipeline, shader_module
+from anamorph.gpu.drawing import make_pipeline
+from anamorph.gpu.shaders import shader_module
 from anamorph.gpu.targets import COLOR_FORMAT, SEEN_FORMATS
 from anamorph.methods.tracing.bounces import WORDS
 
@@ -24,7 +25,7 @@ class Tiles:
     def __init__(self, buffers: SceneBuffers) -> None:
         self._scene = buffers
         self._layout = layout_of(UNIFORM, *5 * [STORAGE], stages=wgpu.ShaderStage.VERTEX | wgpu.ShaderStage.FRAGMENT)
-        self._module = shader_module("gpu/vertices.wgsl", "methods/tracing/tiles.wgsl")
+        self._module = shader_module("methods/tracing/tiles.wgsl")
         self._color = self._pipeline("traced_color", (COLOR_FORMAT,))
         self._seen = self._pipeline("traced_seen", SEEN_FORMATS)
         usage = wgpu.BufferUsage.UNIFORM | wgpu.BufferUsage.COPY_DST

@@ -1,4 +1,5 @@
-// Tiles of traced pixels: hits that the CPU found, coloured by the shading that every method uses. Follows vertices.wgsl.
+// Tiles of traced pixels: hits that the CPU found, coloured by the shading that every method uses.
+// needs: gpu/scene.wgsl, gpu/vertices.wgsl
 
 // One pixel's path, as methods/tracing/paths.py writes it.
 struct PathEnd {

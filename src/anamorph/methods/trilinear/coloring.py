@@ -12,7 +12,8 @@ from typing import Any
 import wgpu
 
 from anamorph.gpu.buffers import SceneBuffers
-from anamorph.gpu.drawing import ProjectionUniform, bind_scene, make_pipeline, shader_module
+from anamorph.gpu.drawing import ProjectionUniform, bind_scene, make_pipeline
+from anamorph.gpu.shaders import shader_module
 from anamorph.gpu.targets import COLOR_FORMAT, DEPTH_FORMAT, SEEN_FORMATS, Target, begin_pass, make_target, make_texture
 from anamorph.methods.trilinear.visibility import Visibility, bind_views, data_layout, views_layout
 
@@ -74,8 +75,7 @@ class Coloring:
         self._throughput = make_target(size, (COLOR_FORMAT,), depth=depth) if goes_on else None
         given = None if before is None or before._throughput is None else before._throughput.textures[0].create_view()
         self._group = bind_views(visibility.views, visibility.fine, given)
-        own = (f"methods/trilinear/{name}.wgsl" for name in ("visibility", "sighting", "trilinear", "edges"))
-        module = shader_module("gpu/vertices.wgsl", *own)
+        module = shader_module("methods/trilinear/edges.wgsl")
         constants = {
             "MEETS_SPECULAR": int(kind.meets_specular),
             "GLASS": int(kind.glass),

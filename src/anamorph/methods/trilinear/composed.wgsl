@@ -1,4 +1,5 @@
-// What has been coloured by itself, where it belongs in the picture. Follows visibility.wgsl.
+// What has been coloured by itself, where it belongs in the picture.
+// needs: methods/trilinear/visibility.wgsl
 
 @group(3) @binding(0) var colors: texture_2d<f32>;
 

@@ -1,4 +1,5 @@
-// Several samples a pixel: where they do not all see the same, each thing seen is coloured once. Follows trilinear.wgsl.
+// Several samples a pixel: where they do not all see the same, each thing seen is coloured once.
+// needs: methods/trilinear/trilinear.wgsl
 
 const SAMPLES = 4u;
 

@@ -1,4 +1,5 @@
-// What a pixel's ray is, and the point of the scene that it sees. Follows visibility.wgsl.
+// What a pixel's ray is, and the point of the scene that it sees.
+// needs: methods/trilinear/visibility.wgsl
 
 // 1 where what lies between projected corners is interpolated, as in the thesis.
 override STRAIGHT: bool = false;

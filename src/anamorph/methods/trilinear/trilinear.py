@@ -22,7 +22,8 @@ from anamorph.base.errors import AnamorphError
 from anamorph.frame import View
 from anamorph.gpu.bindings import bind, layout_of, texture
 from anamorph.gpu.buffers import storage_buffer
-from anamorph.gpu.drawing import make_pipeline, shader_module
+from anamorph.gpu.drawing import make_pipeline
+from anamorph.gpu.shaders import shader_module
 from anamorph.gpu.targets import COLOR_FORMAT, Target, make_target
 from anamorph.methods.options import check_options, option
 from anamorph.methods.protocol import Method, Session
@@ -104,9 +105,7 @@ class TrilinearDrawing:
         self._lines = [self._line(mask) for mask in (LINES if disperses else LINES[:1])]
         whole = layout_of(texture())
         self._whole = bind(whole, [self._colors.textures[0].create_view()])
-        module = shader_module(
-            "gpu/vertices.wgsl", "methods/trilinear/visibility.wgsl", "methods/trilinear/composed.wgsl"
-        )
+        module = shader_module("methods/trilinear/composed.wgsl")
 
         def composed(vertex: str, fragment: str, **settings: Any) -> wgpu.GPURenderPipeline:
             groups, formats, samples = (data_layout(), whole), (COLOR_FORMAT,), options.antialias

@@ -1,4 +1,5 @@
-// Trilinear projection: what the rays of a picture's ray triangles see, coloured. Follows sighting.wgsl.
+// Trilinear projection: what the rays of a picture's ray triangles see, coloured.
+// needs: methods/trilinear/sighting.wgsl
 
 // 1 where some surfaces seen may be specular fronts.
 override MEETS_SPECULAR: bool = false;

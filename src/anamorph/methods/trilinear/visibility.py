@@ -16,8 +16,9 @@ import wgpu
 from anamorph.gpu.bindings import STORAGE, bind, layout_of, texture
 from anamorph.gpu.buffers import SceneBuffers, roomy_buffer
 from anamorph.gpu.device import get_device, of_device
-from anamorph.gpu.drawing import ProjectionUniform, bind_scene, make_pipeline, shader_module
+from anamorph.gpu.drawing import ProjectionUniform, bind_scene, make_pipeline
 from anamorph.gpu.recording import Recorder
+from anamorph.gpu.shaders import shader_module
 from anamorph.gpu.targets import COLOR_FORMAT, Target, begin_pass, make_target
 from anamorph.methods.trilinear.ray_records import RAY_TRIANGLE
 
@@ -141,12 +142,7 @@ class Visibility:
         self._held: list[wgpu.GPUBuffer | None] = [None, None, None]
         self._data: wgpu.GPUBindGroup | None = None
         self._corners, self._count = 0, 0
-        names = (
-            "gpu/vertices",
-            "methods/trilinear/visibility",
-            *(("methods/trilinear/straight/straight",) if straight else ()),
-        )
-        module = shader_module(*(f"{name}.wgsl" for name in names))
+        module = shader_module(f"methods/trilinear/{'straight/straight' if straight else 'visibility'}.wgsl")
 
         def pipeline(vertex: str, fragment: str, target: Target, **settings: Any) -> wgpu.GPURenderPipeline:
             formats = tuple(each.format for each in target.textures)

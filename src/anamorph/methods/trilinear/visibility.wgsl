@@ -1,5 +1,5 @@
-// Which scene triangle each pixel's ray meets: first whose ray it is, then what that ray triangle sees. Follows
-// vertices.wgsl.
+// Which scene triangle each pixel's ray meets: first whose ray it is, then what that ray triangle sees.
+// needs: gpu/scene.wgsl, gpu/vertices.wgsl
 //
 // In a ray triangle everything is a polynomial of the place in the picture, relative to the ray triangle's center. The
 // weights of a scene triangle's corners, all times one number, are quadratics; N, which is positive where the triangle is

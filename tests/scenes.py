@@ -10,8 +10,8 @@ from anamorph.frame import Frame, View
 from anamorph.gallery.flat_mirror import plane_mirror
 from anamorph.gallery.shapes import box, grid, lattice
 from anamorph.gallery.textures import checkerboard
-from anamorph.methods import parse
-from anamorph.methods.protocol import Session
+from anamorph.methods import Specification
+from anamorph.methods.session import Session
 from anamorph.scene.camera import Camera
 from anamorph.scene.model import Diffuse, Mesh, Mirror, Scene, Sky
 from anamorph.surfaces.sphere import Sphere
@@ -87,8 +87,7 @@ def sky_scene(mirror: Mesh, sky: Sky | None = None, camera: Camera = CAMERA) -> 
 
 
 def open_view(scene: Scene, specification: str, size: tuple[int, int] = SIZE) -> Session:
-    method, options = parse(specification)
-    return method.open(View(scene, scene.camera, size), options)
+    return Specification.parse(specification).open(View(scene, scene.camera, size))
 
 
 def drawn(scene: Scene, specification: str, size: tuple[int, int] = SIZE, camera: Camera | None = None) -> Frame:

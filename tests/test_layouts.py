@@ -9,6 +9,7 @@ import pytest
 from scenes import flat_mirror, sky_scene
 from wgsl import bound, constants, declared, layout_of, rooms, texts
 
+from anamorph.base.steps import drain
 from anamorph.frame import Status
 from anamorph.gpu.buffers import MOST_LIGHTS, OBJECT, VERTEX
 from anamorph.methods.pervertex import level
@@ -120,7 +121,7 @@ def test_the_end_of_a_path_is_packed_member_by_member():
     scene = flat_mirror_scene()
     geometry = flatten(scene)
     tracer = PathTracer(scene, geometry, Caster(geometry), max_bounces=0)
-    record = tracer.trace_rays(np.array([[0.05, 0.5, 2.0]]), np.array([[0.0, 0.0, -3.0]]))[0]
+    record = drain(tracer.tracing_rays(np.array([[0.05, 0.5, 2.0]]), np.array([[0.0, 0.0, -3.0]])))[0]
     members = {name: offset // 4 for name, offset in structure("methods/tracing", "PathEnd").members.items()}
 
     def member(name, count=1):

@@ -6,7 +6,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from anamorph.methods.trilinear.beams import Beams, make_beams
+from anamorph.base.steps import drain
+from anamorph.methods.trilinear.beams import Beams, making_beams
 from anamorph.methods.trilinear.box_tree import make_tree
 from anamorph.methods.trilinear.pairs import ALL, Own
 from anamorph.methods.trilinear.plan import Plan, Planner
@@ -173,14 +174,14 @@ def planned(
     size: tuple[int, int] = SIZE,
 ) -> tuple[Beams, Plan]:
     """What `trilinear.plan` makes of ray triangles before triangles (M, 3, 3)."""
-    beams = make_beams(*rays, size, near)
+    beams = drain(making_beams(*rays, size, near))
     tree = make_tree(triangles)
     group = np.zeros(len(triangles), np.int32) if group is None else group
     if own is None:
         count = len(rays.picture)
         own = Own(np.full(count, -1, np.int32), np.full(count, -1, np.int32), np.full(count, ALL, np.int32))
     own = Own(*(each[beams.number] for each in own))
-    return beams, (planner or Planner()).plan(beams, tree, group, own)
+    return beams, drain((planner or Planner()).planning(beams, tree, group, own))
 
 
 def evaluated(terms: np.ndarray, places: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

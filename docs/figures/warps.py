@@ -16,7 +16,7 @@ from anamorph.methods.pervertex import Options
 from anamorph.methods.pervertex.atlas import MapKind
 from anamorph.methods.pervertex.pervertex import PerVertexDrawing
 from anamorph.methods.pervertex.warp import MapPlan
-from anamorph.methods.session import Stage
+from anamorph.methods.stage import Stage
 from anamorph.optics.ray_meshes import BodyRays
 
 

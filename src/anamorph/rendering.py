@@ -12,7 +12,7 @@ from anamorph.base.steps import drain
 from anamorph.files.opening import open_scene
 from anamorph.files.scene_file import Settings
 from anamorph.frame import Frame, View
-from anamorph.methods import METHODS, Method, Session, make_options, parse
+from anamorph.methods import METHODS, Method, Session, Specification
 from anamorph.methods.averaging import averaging
 from anamorph.raymesh import RayMesh, check_ray_mesh
 from anamorph.scene.camera import Camera
@@ -23,10 +23,11 @@ Drawn = Callable[[int, int], None]
 """Told the shifted pictures that are drawn, and their number."""
 
 
-def draw_frame(view: View, specification: str, seen: bool = False, report: Drawn = lambda done, total: None) -> Frame:
-    """Draw one frame of `view` by the method and options that `specification` names."""
-    method, options = parse(specification)
-    return accumulate(view, method.open(view, options), seen, report)
+def draw_frame(
+    view: View, specification: Specification, seen: bool = False, report: Drawn = lambda done, total: None
+) -> Frame:
+    """Draw one frame of `view`."""
+    return accumulate(view, specification.open(view), seen, report)
 
 
 def accumulate(view: View, session: Session, seen: bool = False, report: Drawn = lambda done, total: None) -> Frame:
@@ -36,12 +37,12 @@ def accumulate(view: View, session: Session, seen: bool = False, report: Drawn =
         return Frame(color, ray_mesh=isinstance(view.camera, RayMesh))
     if view.samples > 1:
         session.draw(view.camera)
-    return dataclasses.replace(session.frame(seen=True), color=color)
+    return session.frame(seen=True, color=color)
 
 
 def render(
     scene: Scene | str | Path,
-    method: str | None = None,
+    method: str | Specification | None = None,
     camera: Camera | RayMesh | None = None,
     size: tuple[int, int] | None = None,
     samples: int = 1,
@@ -54,7 +55,7 @@ def render(
     ----------
     scene : Scene, str or Path
         A scene, the name of a built-in one, or the path of a scene file or a model file.
-    method : str, optional
+    method : str or Specification, optional
         "name" or "name:option=value,…"; pervertex unless a scene file says otherwise.
     camera : Camera or RayMesh, optional
         The scene's own by default. A ray mesh is itself the whole picture, for the methods that can see through one.
@@ -72,17 +73,16 @@ def render(
     Frame
     """
     opened, settings = (scene, Settings()) if isinstance(scene, Scene) else open_scene(scene)
-    chosen, written = parse(method or settings.method)
-    given = dataclasses.asdict(written) | options
+    chosen = Specification.parse(method or settings.method).with_options(**options)
     if isinstance(camera, RayMesh):
-        _check_sees(chosen, camera)
+        _check_sees(chosen.method, camera)
         view = View(check_contents(opened), camera, size or camera.least_size(), samples)
     else:
         # What has been opened by its name has been checked with its own camera.
         if opened is scene or camera is not None:
             opened = check_scene(dataclasses.replace(opened, camera=camera or opened.camera))
         view = View(opened, opened.camera, size or settings.size, samples)
-    return accumulate(view, chosen.open(view, make_options(chosen, given)), seen)
+    return accumulate(view, chosen.open(view), seen)
 
 
 def _check_sees(method: Method, camera: RayMesh) -> None:

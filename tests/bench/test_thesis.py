@@ -17,6 +17,7 @@ from anamorph.bench.thesis import benchmark, plots, printed
 from anamorph.bench.thesis.benchmark import CLIPPED_STRAIGHT, PARTS, QUICK, Results, measure_thesis, write_results
 from anamorph.bench.thesis.cases import cases, frames_for
 from anamorph.bench.thesis.configurations import (
+    EXACT,
     STRAIGHT,
     TessellationError,
     configuration_scene,
@@ -31,10 +32,12 @@ from anamorph.bench.thesis.summary import exact_over_straight, summary_tables
 from anamorph.bench.thesis.sweeps import Place, RandomTime, clip_lines, lines_through, time_random
 from anamorph.cli import commands as cli
 from anamorph.frame import View
+from anamorph.methods import Specification
 from anamorph.methods.trilinear.straight import project_triangle
 
 SIZE = (48, 48)
-STAND_IN = "raytrace:bounces=1"
+TRACER = Specification.parse("raytrace")
+STAND_IN = TRACER.with_options(bounces=1)
 """A second method that draws the same, at the same cost."""
 SMALL = replace(QUICK, sides=(1, 24), counts=(1, 40), quads=(1, 2), configuration_sides=(24,), factors=(1, 4))
 
@@ -44,7 +47,7 @@ def time(method="trilinear", ms=1.0, pixels=100, count=10, rays=2, roughness=1.0
 
 
 def drawn(scene, rays, method="raytrace", size=SIZE):
-    session = open_sessions(View(scene, rays, size), [method])[method]
+    session = Specification.parse(method).open(View(scene, rays, size))
     session.draw(rays)
     return session.frame(seen=True)
 
@@ -124,10 +127,10 @@ def test_what_a_method_cannot_draw_is_told_and_not_timed(monkeypatch):
         return sessions
 
     monkeypatch.setattr("anamorph.bench.thesis.moving.open_sessions", opened)
-    row = time_random([Place(48, 3, 1)], ("raytrace", STAND_IN), 1)[1]
+    row = time_random([Place(48, 3, 1)], (TRACER, STAND_IN), 1)[1]
     assert row.ms is None and row.refusal == "scene: too large"
-    times = time_methods(random_triangles(2, rays), rays, SIZE, ("raytrace", STAND_IN), 1)
-    assert tuple(times.timings) == ("raytrace",) and tuple(times.refusals) == (STAND_IN,)
+    times = time_methods(random_triangles(2, rays), rays, SIZE, (TRACER, STAND_IN), 1)
+    assert tuple(times.timings) == (TRACER,) and tuple(times.refusals) == (STAND_IN,)
     assert crossovers([time("raytrace", 2.0), time(ms=1.0), row], "scene_triangles") == []
 
 
@@ -151,12 +154,12 @@ def test_configurations_have_the_shapes_that_they_are_called_by(label):
 
 
 def test_times_stand_beside_those_of_their_own_table():
-    assert random_table("raytrace:bounces=2") == "d1-ray-tracing"
-    assert random_table("trilinear") == random_table(STRAIGHT) == "d2-trilinear"
+    assert random_table(STAND_IN) == "d1-ray-tracing"
+    assert random_table(EXACT) == random_table(STRAIGHT) == "d2-trilinear"
     assert random_table(CLIPPED_STRAIGHT) == "d3-trilinear-clipped"
-    row = time_random([Place(128, 128, 1)], ("raytrace",), 1)[0]
+    row = time_random([Place(128, 128, 1)], (TRACER,), 1)[0]
     assert row.printed_ms == 390.67 and row.ms >= row.least_ms > 0.0 and row.pixels_a_ray_triangle == 8192
-    assert time_random([Place(128, 128, 1, 0.5)], ("raytrace",), 1)[0].printed_ms is None
+    assert time_random([Place(128, 128, 1, 0.5)], (TRACER,), 1)[0].printed_ms is None
 
 
 def test_lines_remake_the_figures_without_the_whole_cross():
@@ -222,7 +225,7 @@ def test_the_cases_have_the_sizes_and_triangles_of_the_table():
 def results():
     extent = replace(SMALL, growth=SMALL.growth[:2], cases=2, case_scale=0.05)
     told = []
-    made = measure_thesis(["trilinear"], extent, PARTS, lambda done, total, what: told.append((done, total)))
+    made = measure_thesis([EXACT], extent, PARTS, lambda done, total, what: told.append((done, total)))
     assert [done for done, _ in told] == list(range(told[0][1]))
     return made
 
@@ -243,8 +246,8 @@ def test_every_table_has_the_printed_columns_ours_and_the_machine(results, tmp_p
         if name.startswith("d"):
             assert set(rows(name)[0]) < set(lines[0]) and "printed_ms" in lines[0]
     assert {row["method"] for row in tables["d1-ray-tracing"]} == {"raytrace"}
-    assert {row["method"] for row in tables["d2-trilinear"]} == {"trilinear", STRAIGHT}
-    assert {row["method"] for row in tables["d3-trilinear-clipped"]} == {CLIPPED_STRAIGHT}
+    assert {row["method"] for row in tables["d2-trilinear"]} == {"trilinear", str(STRAIGHT)}
+    assert {row["method"] for row in tables["d3-trilinear-clipped"]} == {str(CLIPPED_STRAIGHT)}
     assert [row["printed_ms"] for row in tables["d1-ray-tracing"] if row["resolution_px"] == "576"] == [""] * 3
 
 
@@ -261,7 +264,7 @@ def test_without_matplotlib_there_are_tables_and_one_line_says_what_to_install(m
     monkeypatch.setattr(plots, "can_plot", lambda: False)
     monkeypatch.setattr(benchmark, "can_plot", lambda: False)
     monkeypatch.setattr(benchmark, "QUICK", replace(SMALL, growth=()))
-    arguments = ["bench", "trilinear", "--quick", "-m", STAND_IN, "--part", "random", "--output", str(tmp_path)]
+    arguments = ["bench", "trilinear", "--quick", "-m", str(STAND_IN), "--part", "random", "--output", str(tmp_path)]
     assert cli.main(arguments) == 0
     said = capsys.readouterr()
     assert {path.suffix for path in tmp_path.iterdir()} == {".csv"}
@@ -277,7 +280,7 @@ def test_the_summary_says_what_was_measured(results):
     assert titles[0].startswith("Table 8.1") and titles[2].startswith("Crossover")
     assert summary_tables(Results("", 1)) == []
     assert exact_over_straight(results) is None
-    both = [time(ms=3.0), time(STRAIGHT, 2.0), time(count=20), time("raytrace")]
+    both = [time(ms=3.0), time(str(STRAIGHT), 2.0), time(count=20), time("raytrace")]
     assert "1.50 times as long" in exact_over_straight(Results("", 1, random=both))
 
 
@@ -293,11 +296,11 @@ def test_printed_lines_are_drawn_as_the_thesis_has_them():
     assert {line.kind for line in error.panels[0].lines} == {"tessellate", "slices"}
     assert [line.y for line in mean.panels[0].lines if line.kind == "exact"] == [(0.0, 0.0)]
     assert all(line.y == (2.0, 20.0) for line in spent.panels[1].lines)
-    clipped = CLIPPED_STRAIGHT
-    pair = [time(STRAIGHT, 2.0, known=1.0), time(clipped, 3.0, known=2.0)]
-    ours, theirs = clip_plots(pair, STRAIGHT, clipped)[0].panels
+    clipped = str(CLIPPED_STRAIGHT)
+    pair = [time(str(STRAIGHT), 2.0, known=1.0), time(clipped, 3.0, known=2.0)]
+    ours, theirs = clip_plots(pair, str(STRAIGHT), clipped)[0].panels
     assert ours.lines[0].y == (1.5,) and theirs.lines[0].y == (2.0,)
-    traced = [time("raytrace", 6.0, known=30.0), time(STRAIGHT, 2.0, known=1.0)]
+    traced = [time("raytrace", 6.0, known=30.0), time(str(STRAIGHT), 2.0, known=1.0)]
     speed = next(plot for plot in random_plots(traced) if plot.name == "speed-resolution")
     assert [panel.lines[0].y for panel in speed.panels] == [(3.0,), (30.0,)]
 

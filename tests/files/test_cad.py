@@ -23,6 +23,7 @@ from OCP.TopoDS import TopoDS_Shell
 
 from anamorph import gallery
 from anamorph.base.errors import AnamorphError
+from anamorph.base.steps import drain
 from anamorph.cli.commands import main
 from anamorph.files import cad
 from anamorph.files.cad import choose, load_cad, read_cad
@@ -300,7 +301,7 @@ def test_surface_truth_of_the_cad_mirror_does_not_depend_on_its_density():
     for density in (12, 48):
         scene, _ = open_scene(door_mirror.FILE, FaceChoice(density=density), "car-mirror")
         geometry = flatten(scene)
-        records.append(PathTracer(scene, geometry, Caster(geometry)).trace(scene.camera, (64, 48)))
+        records.append(drain(PathTracer(scene, geometry, Caster(geometry)).tracing(scene.camera, (64, 48))))
     coarse, fine = records
     mirrored = ((coarse[:, 7].view(np.uint32) >> 24) == 1) & ((fine[:, 7].view(np.uint32) >> 24) == 1)
     assert mirrored.sum() > 500

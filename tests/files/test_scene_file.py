@@ -22,7 +22,7 @@ from anamorph.files.opening import open_scene
 from anamorph.files.scene_file import Settings
 from anamorph.frame import View
 from anamorph.measure.status import gaps
-from anamorph.methods import parse
+from anamorph.methods import Specification
 from anamorph.rendering import draw_frame
 from anamorph.scene.model import AmbientLight, Diffuse, DirectionalLight, Glass, Mirror, PointLight
 from anamorph.surfaces.bezier import BezierPatch
@@ -86,12 +86,15 @@ def test_the_documented_example_loads(folder: Path) -> None:
 def test_every_built_in_scene_is_fit_to_be_drawn(name: str) -> None:
     scene, settings = open_scene(name)
     assert scene.name == name and settings == Settings(method=gallery.SCENES[name].method)
-    parse(settings.method)
+    Specification.parse(settings.method)
 
 
 def test_the_tunnel_is_drawn_by_a_method_that_follows_it_to_its_end() -> None:
     scene, settings = open_scene("facing-mirrors")
-    assert gaps(draw_frame(View(scene, scene.camera, (96, 64)), settings.method, seen=True), scene)[1] == 0.0
+    assert (
+        gaps(draw_frame(View(scene, scene.camera, (96, 64)), Specification.parse(settings.method), seen=True), scene)[1]
+        == 0.0
+    )
 
 
 def test_a_built_in_scene_can_be_changed(tmp_path: Path) -> None:

@@ -108,7 +108,7 @@ def test_what_toml_cannot_say_is_refused_in_one_line(value: Any) -> None:
 def test_a_state_survives_its_table(state: State) -> None:
     read = tomllib.loads(toml_text({"view": view_of(state)}))["view"]
     table = Table(Path("view.toml"), ("view",), read, {})
-    opened = Opened(builtin_scene("flat-mirror"), Settings(SIZE, state.first.method, table), state.camera)
+    opened = Opened(builtin_scene("flat-mirror"), Settings(SIZE, str(state.first.method), table), state.camera)
     assert state_of(opened) == state
 
 
@@ -148,7 +148,7 @@ def test_a_saved_view_opens_the_same_and_draws_the_same(tmp_path: Path, name: st
     assert part_edits(scene, restored.values) == part_edits(scene, values) == dict(again.edits)
     drawn, drawn_settings = open_scene(tmp_path / "view.toml")
     assert same(drawn, edited(scene, values)) and drawn.camera == state.camera
-    assert (drawn.name, drawn_settings.method) == (scene.name, state.first.method)
+    assert (drawn.name, drawn_settings.method) == (scene.name, str(state.first.method))
     assert [mesh.material.__dict__ for mesh in drawn.meshes if mesh.specular] == [
         mesh.material.__dict__ for mesh in edited(scene, values).meshes if mesh.specular
     ]

@@ -18,7 +18,7 @@ from anamorph.cli import commands as cli
 from anamorph.gallery.deforming import deformed
 from anamorph.gallery.swell import deform
 from anamorph.measure.frame_times import Timing
-from anamorph.methods import METHODS, parse
+from anamorph.methods import METHODS, Specification
 from anamorph.scene.camera import Camera
 from anamorph.scene.geometry import flatten
 from anamorph.scene.model import Mesh, Scene
@@ -222,7 +222,7 @@ def test_the_benchmark_takes_turns_and_names_its_competitor():
 
 
 def test_what_is_timed_by_default_are_methods():
-    assert [parse(specification)[0].name for specification in DEFAULT] == ["pervertex"]
+    assert [Specification.parse(specification).method.name for specification in DEFAULT] == ["pervertex"]
 
 
 @pytest.mark.parametrize("fast", COMPETITORS)

@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 
 from anamorph import gallery
 from anamorph.base.errors import AnamorphError
+from anamorph.base.steps import drain
 from anamorph.frame import Status
 from anamorph.gallery.curvature_series import FLATTEST, RADII, SIZE, curved_mirror, one_mirror
 from anamorph.gallery.torus import MAJOR, MINOR
@@ -42,7 +43,7 @@ def mesh(name, part):
 def traced(view, size=PICTURE):
     """The tracer's records, (H, W, 16), and of each pixel its number of bounces, status and first mirror's name."""
     geometry = flatten(view)
-    records = PathTracer(view, geometry, Caster(geometry)).trace(view.camera, size)
+    records = drain(PathTracer(view, geometry, Caster(geometry)).tracing(view.camera, size))
     flags = records.view(np.uint32)[:, 7].reshape(size[1], size[0])
     names = np.array(["", *(part.name for part in view.meshes)])[flags & 0xFFFF]
     return records.reshape(size[1], size[0], 16), flags >> 24, (flags >> 16) & 0xFF, names

@@ -18,7 +18,6 @@ OPENING = """
 import sys
 from pathlib import Path
 from anamorph.frame import View
-from anamorph.methods import parse
 from anamorph.gallery import make
 from anamorph.viewer.controls import edited
 
@@ -30,8 +29,7 @@ def code():
 scene, method = make("car-mirror"), sys.argv[1]
 for number in range(12):
     turned = edited(scene, {"mirror/tilt": 0.1 * number})
-    chosen, options = parse(method)
-    session = chosen.open(View(turned, turned.camera, (100, 80)), options)
+    session = Specification.parse(method).open(View(turned, turned.camera, (100, 80)))
     session.draw(turned.camera)
     session.wait()
     print(code())

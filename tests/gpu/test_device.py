@@ -26,7 +26,7 @@ LOSS = textwrap.dedent(
     import wgpu
     from anamorph.frame import View
     from anamorph.gpu.device import device_lost, forget_device, get_device
-    from anamorph.methods import METHODS, parse
+    from anamorph.methods import METHODS, Specification
     from scenes import scene_with, spherical_mirror
 
     SCENE = scene_with(spherical_mirror())
@@ -34,8 +34,7 @@ LOSS = textwrap.dedent(
              "trilinear:edges=straight"]
 
     def drawn(kind):
-        method, options = parse(kind)
-        session = method.open(View(SCENE, SCENE.camera, (48, 36)), options)
+        session = Specification.parse(kind).open(View(SCENE, SCENE.camera, (48, 36)))
         session.draw(SCENE.camera)
         return session, session.frame(seen=True)
 

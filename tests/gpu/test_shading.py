@@ -21,7 +21,7 @@ from anamorph.gpu.drawing import draw_mesh, make_pipeline, submit
 from anamorph.gpu.shaders import shader_module
 from anamorph.gpu.targets import begin_pass, make_target, read_texture
 from anamorph.gpu.textures import mip_levels
-from anamorph.methods.session import Stage
+from anamorph.methods.stage import Stage
 from anamorph.projection import camera_projection
 from anamorph.scene.camera import Camera
 from anamorph.scene.model import AmbientLight, Diffuse, DirectionalLight, PointLight, Scene, Sky, Texture

@@ -14,7 +14,7 @@ from anamorph.gallery.shapes import grid
 from anamorph.measure.continuity import border_errors, continuity
 from anamorph.methods.pervertex import Options
 from anamorph.methods.pervertex.pervertex import PerVertexDrawing
-from anamorph.methods.session import Stage
+from anamorph.methods.stage import Stage
 from anamorph.scene.model import Diffuse, Scene
 
 ALL = np.linspace(0.0, 1.0, 9)

@@ -6,7 +6,7 @@ import base64
 import io
 import json
 import re
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from html import escape
 from html.parser import HTMLParser
 from typing import Any
@@ -17,15 +17,17 @@ from frames import FakeSession, plane_truth
 from PIL import Image
 from scenes import flat_mirror, surroundings
 
+from anamorph.base.steps import drain
 from anamorph.frame import Status, View
 from anamorph.measure import compare as compare_module
 from anamorph.measure.compare import Comparison, compare
 from anamorph.measure.figures import ROWS, number, rows_of
-from anamorph.measure.frame_times import WARM_UP, Timing, eye_path, time_in_turn
+from anamorph.measure.frame_times import WARM_UP, Timing, eye_path, timing_rounds
 from anamorph.measure.heatmap import MILLIRADIANS, VIRIDIS, heat_map, scale_colors
 from anamorph.measure.page import comparison_page, specular_box
 from anamorph.measure.status import status_shares
 from anamorph.measure.table import comparison_table, print_table
+from anamorph.methods import METHODS
 from anamorph.methods.protocol import Method
 from anamorph.scene.camera import Camera
 from anamorph.scene.model import Scene
@@ -33,6 +35,14 @@ from anamorph.scene.model import Scene
 CAMERA = Camera((1.0, 2.0, 3.0), (1.0, 2.0, 1.0))
 SCENE = Scene("flat <mirror>", (), CAMERA)
 ODD = 'odd:name="<b>&",other=1'
+
+
+@dataclass(frozen=True)
+class Options:
+    """Of methods that draw what they are told."""
+
+    name: str = ""
+    other: int = 0
 
 
 @pytest.fixture
@@ -51,14 +61,13 @@ def sessions(monkeypatch) -> dict[str, Any]:
         compare_module.PLAIN: FakeSession(near),
     }
 
-    def parse(spec: str) -> tuple[Method, object]:
-        def open_session(view: View, options: object) -> FakeSession:
+    for name in [name.partition(":")[0] for name in made]:
+
+        def open_session(view: View, options: Options, name: str = name) -> FakeSession:
             made["scene"] = view.scene
-            return made[spec]
+            return made[ODD if name == "odd" else name]
 
-        return Method(spec, "", "", object, open_session), object()
-
-    monkeypatch.setattr(compare_module, "parse", parse)
+        monkeypatch.setitem(METHODS, name, Method(name, "", "", Options, open_session))
     monkeypatch.setattr(compare_module, "adapter_name", lambda: "Fake & Sons (CPU)")
     return made
 
@@ -89,7 +98,7 @@ def test_the_eye_keeps_its_distance_from_the_mirror_however_far_its_target_is():
 
 def test_frames_are_drawn_and_waited_for_but_not_read():
     session = FakeSession(plane_truth())
-    timing = time_in_turn({"": session}, eye_path(SCENE, 7), minimum=30)[""]
+    timing = drain(timing_rounds({"": session}, eye_path(SCENE, 7), minimum=30))[""]
     assert session.calls == ["draw", "wait"] * (30 + WARM_UP)
     assert all(first != second for first, second in zip(session.eyes, session.eyes[1:], strict=False))
     assert timing.n == 30
@@ -108,7 +117,7 @@ def test_methods_take_turns():
         session.calls.append(name)
         return session
 
-    time_in_turn({"a": named("a"), "b": named("b")}, eye_path(SCENE, 3), minimum=3)
+    drain(timing_rounds({"a": named("a"), "b": named("b")}, eye_path(SCENE, 3), minimum=3))
     assert order == ["a", "b"] * (3 + WARM_UP)
 
 

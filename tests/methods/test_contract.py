@@ -12,7 +12,7 @@ import anamorph
 from anamorph.base.errors import AnamorphError
 from anamorph.frame import Status
 from anamorph.gpu.device import maximum_size
-from anamorph.methods import METHODS, make_options, parse
+from anamorph.methods import METHODS, Specification
 
 SCENE = scene_with(spherical_mirror())
 PACKAGE = Path(anamorph.__file__).parent
@@ -94,17 +94,30 @@ def test_methods_describe_themselves(name):
     assert method.summary and "\n" not in method.summary
     assert method.source
     default = method.options()
-    assert parse(name) == (method, default)
+    assert Specification.parse(name) == Specification(method, default)
     for key, value in vars(default).items():
         assert type(value) in (bool, int, float, str)
-        assert getattr(parse(f"{name}:{key}={value}")[1], key) == value
+        assert getattr(Specification.parse(f"{name}:{key}={value}").options, key) == value
 
 
 def test_options_are_read_from_text():
-    _, options = parse("pervertex:antialias=4, mipmaps=Yes,projective=0,resolution=2")
+    options = Specification.parse("pervertex:antialias=4, mipmaps=Yes,projective=0,resolution=2").options
     assert (options.antialias, options.mipmaps, options.projective, options.resolution) == (4, True, False, 2.0)
     assert isinstance(options.resolution, float)
-    assert parse("pervertex:")[1] == parse("pervertex")[1]
+    assert Specification.parse("pervertex:") == Specification.parse("pervertex")
+
+
+@pytest.mark.parametrize("name", METHODS)
+def test_a_specification_says_what_differs_and_reads_back(name):
+    plain = Specification.parse(name)
+    assert str(plain) == name
+    other = {bool: lambda value: not value, str: lambda value: f"{value}er"}
+    for key, value in vars(plain.options).items():
+        changed = plain.with_options(**{key: other.get(type(value), lambda value: value + 1)(value)})
+        assert changed != plain and str(changed).startswith(f"{name}:{key}=") and "," not in str(changed)
+        assert Specification.parse(str(changed)) == Specification.parse(changed) == changed
+        assert str(changed.with_options(**{key: value})) == name
+        assert len({plain, changed, Specification.parse(str(changed))}) == 2
 
 
 @pytest.mark.parametrize(
@@ -124,7 +137,7 @@ def test_options_are_read_from_text():
 )
 def test_wrong_specifications_are_one_line(specification, said):
     with pytest.raises(AnamorphError, match=said) as caught:
-        parse(specification)
+        Specification.parse(specification)
     assert "\n" not in str(caught.value)
 
 
@@ -145,13 +158,13 @@ def test_wrong_specifications_are_one_line(specification, said):
 )
 def test_values_of_the_wrong_type_are_named(key, value):
     with pytest.raises(AnamorphError, match=f"option {key} is") as caught:
-        make_options(METHODS["pervertex"], {key: value})
+        Specification.parse("pervertex").with_options(**{key: value})
     assert "\n" not in str(caught.value)
 
 
 def test_values_of_another_type_that_mean_the_same_are_taken():
-    options = make_options(METHODS["pervertex"], {"antialias": 4.0, "resolution": 2})
-    assert options == parse("pervertex:antialias=4,resolution=2")[1]
+    changed = Specification.parse("pervertex").with_options(antialias=4.0, resolution=2)
+    assert changed == Specification.parse("pervertex:antialias=4,resolution=2")
 
 
 def test_shading_is_in_one_place():

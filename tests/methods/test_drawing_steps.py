@@ -7,7 +7,6 @@ from collections.abc import Generator
 from dataclasses import replace
 from itertools import islice
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -22,11 +21,10 @@ from anamorph.frame import Frame, View
 from anamorph.gallery import make
 from anamorph.gpu.recording import Recorder
 from anamorph.gpu.targets import read_texture
-from anamorph.methods import METHODS, Session, parse, session
+from anamorph.methods import METHODS, Session, Specification, session
 from anamorph.methods.averaging import averaging
-from anamorph.methods.protocol import drawing
 from anamorph.methods.trilinear import beams, plan, visibility
-from anamorph.methods.trilinear.beams import make_beams, making_beams
+from anamorph.methods.trilinear.beams import making_beams
 from anamorph.viewer.turntable import turntable
 
 SIZE = (48, 32)
@@ -35,8 +33,7 @@ SCENE = make("facing-mirrors")
 
 
 def opened(specification: str, scene: an.Scene = SCENE) -> Session:
-    method, options = parse(specification)
-    return method.open(View(scene, scene.camera, SIZE), options)
+    return Specification.parse(specification).open(View(scene, scene.camera, SIZE))
 
 
 def seen_from(number: int) -> an.Camera:
@@ -81,16 +78,16 @@ def test_a_session_left_at_any_step_shows_the_frame_before_and_draws_the_next_as
     drawn = opened(specification)
     drawn.draw(seen_from(0))
     before = read_texture(drawn.texture)
-    count = sum(1 for _ in drawing(opened(specification), seen_from(1)))
+    count = sum(1 for _ in opened(specification).drawing(seen_from(1)))
     assert count > 10
     for taken in (1, 2, count // 3, 2 * count // 3, count - 1):
-        left = drawing(drawn, seen_from(1))
+        left = drawn.drawing(seen_from(1))
         assert sum(1 for _ in islice(left, taken)) == taken
         left.close()
         assert np.array_equal(read_texture(drawn.texture), before)
     drawn.draw(seen_from(2))
     assert same(drawn.frame(seen=True), whole_frame(specification, 2))
-    again = drawing(drawn, seen_from(1))
+    again = drawn.drawing(seen_from(1))
     next(again)
     again.close()
     drawn.draw(seen_from(1), (0.25, -0.25))
@@ -100,20 +97,7 @@ def test_a_session_left_at_any_step_shows_the_frame_before_and_draws_the_next_as
 
 def test_quick_methods_draw_at_once() -> None:
     for specification in ("pervertex", "environment"):
-        assert not list(drawing(opened(specification), seen_from(0)))
-
-
-def test_a_session_without_steps_is_drawn_whole() -> None:
-    class Plain:
-        def __init__(self) -> None:
-            self.drawn: list[Any] = []
-
-        def draw(self, camera: an.Camera, shift: tuple[float, float] = (0.0, 0.0)) -> None:
-            self.drawn.append((camera, shift))
-
-    plain: Any = Plain()
-    assert not list(drawing(plain, SCENE.camera, (0.5, 0.0)))
-    assert plain.drawn == [(SCENE.camera, (0.5, 0.0))]
+        assert not list(opened(specification).drawing(seen_from(0)))
 
 
 @pytest.mark.parametrize("specification", METHODS)
@@ -122,7 +106,7 @@ def test_phases_leave_out_what_is_done_between_steps(specification: str, monkeyp
     for module in (session, steps):
         monkeypatch.setattr(module, "perf_counter", lambda: seconds)
     drawn = opened(specification)
-    for _ in drawing(drawn, seen_from(0)):
+    for _ in drawn.drawing(seen_from(0)):
         seconds += 10.0
     phases = dict(drawn.phases())
     assert phases == {"prepare": 0.0, "record": 0.0, "mend": 0.0}
@@ -155,7 +139,7 @@ def test_a_mean_can_be_left_in_the_midst_of_a_picture() -> None:
 
 @pytest.mark.usefixtures("small_steps")
 def test_a_turntable_left_in_the_midst_of_a_picture_leaves_nothing_behind(tmp_path: Path) -> None:
-    saving = turntable(tmp_path / "round", SCENE, "raytrace", [SCENE.camera] * 3, SIZE)
+    saving = turntable(tmp_path / "round", SCENE, Specification.parse("raytrace"), [SCENE.camera] * 3, SIZE)
     told = [step for step, _ in zip(saving, range(12), strict=False)]
     saving.close()
     assert {step.done for step in told} == {0} and told[-1].total == 3
@@ -240,7 +224,7 @@ def test_beams_in_steps_are_those_made_at_once(count: int, seed: int) -> None:
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(beams, "AT_ONCE", 4)
         parts = drain(making_beams(*rays, SIZE, 0.1, 1.0))
-    whole = make_beams(*rays, SIZE, 0.1, 1.0)
+    whole = drain(making_beams(*rays, SIZE, 0.1, 1.0))
     for name, one, other in zip(whole._fields, parts, whole, strict=True):
         assert np.array_equal(one, other), name
         assert np.asarray(one).dtype == np.asarray(other).dtype, name

@@ -15,7 +15,7 @@ from anamorph.gpu import timing
 from anamorph.gpu.device import get_device
 from anamorph.gpu.drawing import color_pipelines, draw_depth, draw_scene, submit
 from anamorph.gpu.targets import COLOR_FORMAT, begin_depth_pass, begin_pass, make_target
-from anamorph.methods import METHODS, Session, parse, session
+from anamorph.methods import METHODS, Session, Specification, session
 
 ON_THE_PROCESSOR = ["prepare", "record", "mend"]
 
@@ -23,8 +23,7 @@ ON_THE_PROCESSOR = ["prepare", "record", "mend"]
 def opened(specification: str) -> tuple[Session, View]:
     scene, _ = open_scene("flat-mirror")
     view = View(scene, scene.camera, (48, 36))
-    method, options = parse(specification)
-    return method.open(view, options), view
+    return Specification.parse(specification).open(view), view
 
 
 @pytest.mark.parametrize("specification", [*METHODS, "pervertex:tolerance=0.5"])

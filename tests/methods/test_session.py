@@ -13,7 +13,7 @@ import pytest
 from anamorph.base.errors import AnamorphError
 from anamorph.files.opening import open_scene
 from anamorph.frame import View
-from anamorph.methods import METHODS, make_options, parse
+from anamorph.methods import METHODS, Specification
 from anamorph.rendering import render
 from anamorph.scene.camera import Camera
 
@@ -45,7 +45,7 @@ def test_the_reference_tells_its_rays_where_no_mirror_is_in_the_picture() -> Non
 @pytest.mark.parametrize("value", [4.7, None, float("inf")])
 def test_an_option_that_is_no_whole_number_is_refused(value: object) -> None:
     with pytest.raises(AnamorphError, match="antialias"):
-        make_options(METHODS["pervertex"], {"antialias": value})
+        Specification.parse("pervertex").with_options(antialias=value)
 
 
 def test_a_scene_file_says_how_it_is_drawn(tmp_path: Path) -> None:
@@ -61,11 +61,10 @@ def test_a_scene_file_says_how_it_is_drawn(tmp_path: Path) -> None:
 def test_a_session_that_is_dropped_leaves_the_device_at_once(specification: str) -> None:
     scene, _ = open_scene("facing-mirrors")
     view = View(scene, scene.camera, SIZE)
-    method, options = parse(specification)
-    session = method.open(view, options)
+    session = Specification.parse(specification).open(view)
     session.draw(view.camera)
     session.frame(seen=True)
-    kept = weakref.ref(session.texture), weakref.ref(session._stage.buffers.vertices)
+    kept = weakref.ref(session.texture), weakref.ref(session.diagnostics()["buffers"].vertices)
     gc.disable()
     try:
         del session

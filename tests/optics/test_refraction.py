@@ -12,6 +12,7 @@ from light import snell, through
 
 from anamorph import gallery
 from anamorph.base.errors import AnamorphError
+from anamorph.base.steps import drain
 from anamorph.lenses.lens import Lens, lens_between
 from anamorph.lenses.making import make_lens
 from anamorph.lenses.prescription import Prescription
@@ -274,7 +275,7 @@ def test_the_ray_tracer_follows_light_through_the_exact_faces(name):
     camera = Camera(eye, (0.0, 0.0, 0.0), field_of_view=30.0)
     scene = Scene("lens", (*lens.meshes, wall(3.0)), camera)
     geometry = flatten(scene)
-    records = PathTracer(scene, geometry, Caster(geometry)).trace(camera, size)
+    records = drain(PathTracer(scene, geometry, Caster(geometry)).tracing(camera, size))
     words = records.view(np.uint32)
     at_wall = (words[:, 3] >= geometry.first_face[3]) & (words[:, 7] >> 24 == 2)
     assert at_wall.mean() > 0.3

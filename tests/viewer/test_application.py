@@ -25,7 +25,7 @@ from anamorph.base.srgb import encode_srgb
 from anamorph.frame import Frame, View
 from anamorph.gallery import make
 from anamorph.gpu.device import get_device
-from anamorph.methods import METHODS, Session
+from anamorph.methods import METHODS, Session, Specification
 from anamorph.methods.options import option
 from anamorph.viewer import application
 from anamorph.viewer.application import SETTLING
@@ -374,9 +374,9 @@ def test_a_new_method_needs_no_change_to_the_viewer(monkeypatch: pytest.MonkeyPa
     for key in ("first/method", "first/method/toy", "first/options"):
         hand.click(*hand.widget(key))
         hand.draw(3)
-    assert hand.viewer.state.first.method == "toy" and "first/grain" in hand.viewer.snapshot()["rectangles"]
+    assert str(hand.viewer.state.first.method) == "toy" and "first/grain" in hand.viewer.snapshot()["rectangles"]
     hand.click(*hand.widget("first/grain", 0.99))
-    assert hand.viewer.state.first.method == "toy:grain=7"
+    assert str(hand.viewer.state.first.method) == "toy:grain=7"
     assert set(drawn) == {1, 7}
     hand.send("pointer_move", x=5.0, y=495.0, button=0)
     shown = picture_of(hand.settle(), hand)
@@ -413,11 +413,11 @@ def test_a_method_that_fails_is_told_of_and_the_rest_goes_on(
 ) -> None:
     before = picture_of(hand.settle(), hand)
     toy(monkeypatch, opened)
-    show(hand, first=Half("toy", Aspect.STATUS), split=True)
+    show(hand, first=Half(Specification.parse("toy"), Aspect.STATUS), split=True)
     told = hand.viewer.snapshot()["message"]
     assert said in told and "\n" not in told
     assert np.ptp(picture_of(hand.draw(), hand)[100:, 160:].astype(int)) > 50
-    show(hand, first=Half("pervertex"), split=False)
+    show(hand, first=Half(Specification.parse("pervertex")), split=False)
     assert not hand.viewer.snapshot()["message"]
     assert alike(picture_of(hand.draw(), hand), before)
 
@@ -428,12 +428,18 @@ def test_what_cannot_be_measured_is_told_of(hand: Hand, monkeypatch: pytest.Monk
 
     hand.settle()
     monkeypatch.setattr("anamorph.viewer.showing.measure_half", refusing)
-    show(hand, first=Half("pervertex", Aspect.ERROR))
+    show(hand, first=Half(Specification.parse("pervertex"), Aspect.ERROR))
     assert "cannot be measured" in hand.viewer.snapshot()["message"]
 
 
 def test_what_is_in_space_follows_the_other_half(hand: Hand, monkeypatch: pytest.MonkeyPatch) -> None:
-    show(hand, first=Half("raytrace"), second=Half("pervertex"), split=True, drawings=frozenset({Drawing.VOLUME}))
+    show(
+        hand,
+        first=Half(Specification.parse("raytrace")),
+        second=Half(Specification.parse("pervertex")),
+        split=True,
+        drawings=frozenset({Drawing.VOLUME}),
+    )
     asked: list[State] = []
 
     def marking(space: Space, state: State, *others: Any) -> Marks:
@@ -441,8 +447,8 @@ def test_what_is_in_space_follows_the_other_half(hand: Hand, monkeypatch: pytest
         return NO_MARKS
 
     monkeypatch.setattr("anamorph.viewer.application.space_marks", marking)
-    show(hand, second=Half("pervertex:align=false"))
-    assert [each.second.method for each in asked] == ["pervertex:align=false"]
+    show(hand, second=Half(Specification.parse("pervertex:align=false")))
+    assert [str(each.second.method) for each in asked] == ["pervertex:align=false"]
 
 
 def test_a_folder_that_is_gone_is_told_of(hand: Hand, tmp_path: Path) -> None:
@@ -485,7 +491,7 @@ def test_keys_pointer_and_panel_answer_while_a_slow_picture_is_drawn(hand: Hand,
     monkeypatch.setattr("anamorph.base.compiled.cores", lambda: 1)
     viewer = hand.viewer
     hand.settle()
-    viewer.state = replace(viewer.state, first=Half("raytrace"), resolution=1.0)
+    viewer.state = replace(viewer.state, first=Half(Specification.parse("raytrace")), resolution=1.0)
     before = hand.draw()
     assert viewer._showing.moving
     hand.key("F1")

@@ -14,7 +14,7 @@ from anamorph import gallery
 from anamorph.base.errors import AnamorphError
 from anamorph.editing.bending import bend_of
 from anamorph.files.opening import open_scene
-from anamorph.methods import METHODS, Method, make_options
+from anamorph.methods import METHODS, Method
 from anamorph.methods.options import Limits, check_options, limits_of, option, summaries
 from anamorph.scene.camera import Camera
 from anamorph.scene.model import Scene
@@ -216,10 +216,10 @@ def test_every_option_of_a_method_has_a_control_that_says_what_it_means(name):
         if control.kind == "choice":
             assert control.default in control.choices
             for choice in control.choices:
-                check_options(name, make_options(method, {control.name: choice}))
+                check_options(name, method.options(**{control.name: choice}))
         for limit in (control.low, control.high):
             if limit is not None:
-                check_options(name, make_options(method, {control.name: limit}))
+                check_options(name, method.options(**{control.name: limit}))
         outside = {control.low: -1, control.high: 1}
         for limit, step in outside.items():
             if limit is not None:

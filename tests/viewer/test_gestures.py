@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 from rendercanvas import CursorShape
 from scenes import CAMERA, scene_with, spherical_mirror
 
+from anamorph.methods import Specification
 from anamorph.scene.camera import Camera
 from anamorph.viewer.gestures import DIVIDER_LIMITS, GESTURES, NO_GRIP, Held, cursor, handle
 from anamorph.viewer.home import Home
@@ -18,7 +19,7 @@ from anamorph.viewer.navigation import FARTHEST, NARROWEST, NEAREST, OUTERMOST, 
 from anamorph.viewer.state import Half, State
 
 SIZE = (800, 600)
-STATE = State(CAMERA, Half("pervertex"), Half("raytrace"))
+STATE = State(CAMERA, Half(Specification.parse("pervertex")), Half(Specification.parse("raytrace")))
 HOME = Home(STATE, scene_with(spherical_mirror()))
 LEFT, RIGHT, MIDDLE = 1, 2, 3
 

@@ -13,9 +13,8 @@ from viewer_hand import Hand
 
 from anamorph.frame import View
 from anamorph.measure.status import STATUS_NAMES
-from anamorph.methods import METHODS
+from anamorph.methods import METHODS, Method, Session, Specification
 from anamorph.methods.options import option
-from anamorph.methods.protocol import Method, Session
 from anamorph.viewer import gestures, shortcuts
 from anamorph.viewer.facts import Facts
 from anamorph.viewer.fluency import RESOLUTIONS, SLOWEST
@@ -85,7 +84,13 @@ def test_every_module_has_its_place():
 
 def test_the_snapshot_has_the_fields_that_are_listed():
     facts = Facts(scene_with(spherical_mirror()), (800, 600), (524, 576), (524, 576), "none")
-    known = snapshot(facts, State(CAMERA, Half("pervertex"), Half("raytrace")), None, 0, True)
+    known = snapshot(
+        facts,
+        State(CAMERA, Half(Specification.parse("pervertex")), Half(Specification.parse("raytrace"))),
+        None,
+        0,
+        True,
+    )
     listed = GUIDE.split("For developers")[1].split("`/snapshot.json`")[1].split("\n\n")[0].split(":", 1)[1]
     assert sorted(re.findall(r"`(\w+)`", listed)) == sorted(known)
 
@@ -121,13 +126,13 @@ def test_a_method_that_is_added_appears_with_its_options_and_is_drawn(monkeypatc
         hand.draw(3)
         hand.click(*hand.widget("first/method/added"))
         hand.draw(3)
-        assert hand.viewer.state.first.method == "added"
+        assert str(hand.viewer.state.first.method) == "added"
         hand.click(*hand.widget("first/options", 0.2))
         hand.draw(3)
         hand.click(*hand.widget("first/strength", 0.99))
         assert {"first/strength", "first/kind"} <= hand.viewer.snapshot()["rectangles"].keys()
         hand.settle()
-        assert hand.viewer.state.first.method == "added:strength=9" and opened[-1] == Strengths(9)
+        assert str(hand.viewer.state.first.method) == "added:strength=9" and opened[-1] == Strengths(9)
         hand.key("2")
         hand.settle()
         figures = hand.viewer.snapshot()["figures"][0]

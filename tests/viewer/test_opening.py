@@ -18,6 +18,7 @@ from anamorph.files.models import SUFFIXES
 from anamorph.files.source import FaceChoice, Source
 from anamorph.files.view_file import Opened
 from anamorph.gallery import SCENES
+from anamorph.methods import Specification
 from anamorph.scene.model import Scene
 from anamorph.viewer import starting
 from anamorph.viewer.facts import Facts, Progress
@@ -39,7 +40,7 @@ def opened(scene: Scene) -> Iterator[Callable[..., Stage]]:
     stages = []
 
     def open_stage(size=(640, 480), of=scene, **state) -> Stage:
-        first = State(of.camera, Half("pervertex"), Half("raytrace"))
+        first = State(of.camera, Half(Specification.parse("pervertex")), Half(Specification.parse("raytrace")))
         stages.append(Stage(replace(first, **state), Facts(of, size, size, size, "an adapter")))
         return stages[-1]
 
@@ -104,7 +105,13 @@ def test_escape_leaves_the_page(opened) -> None:
 
 
 def test_the_key_shows_a_hidden_panel_and_hides_only_the_page(scene) -> None:
-    state = State(scene.camera, Half("pervertex"), Half("raytrace"), panel=False, opening="typed")
+    state = State(
+        scene.camera,
+        Half(Specification.parse("pervertex")),
+        Half(Specification.parse("raytrace")),
+        panel=False,
+        opening="typed",
+    )
     home, event = Home(state, scene), {"key": "o", "modifiers": ("Control",)}
     shown, _ = press(event, state, home)
     assert shown == replace(state, panel=True)
@@ -284,8 +291,8 @@ def test_halves_layers_and_split_are_carried_over_and_the_eye_is_not() -> None:
     old = start_of("flat-mirror").state
     set_there = replace(
         old,
-        first=Half("pervertex:refine=2", Aspect.ERROR),
-        second=Half("environment", Aspect.STATUS),
+        first=Half(Specification.parse("pervertex:refine=2"), Aspect.ERROR),
+        second=Half(Specification.parse("environment"), Aspect.STATUS),
         split=True,
         divider=0.3,
         panel=False,
@@ -310,7 +317,12 @@ def test_halves_layers_and_split_are_carried_over_and_the_eye_is_not() -> None:
 
 def test_a_saved_view_brings_its_own(tmp_path: Path) -> None:
     start = start_of("flat-mirror")
-    kept = replace(start.state, first=Half("environment", Aspect.ERROR), values={"mirror/tilt": 2.0}, divider=0.2)
+    kept = replace(
+        start.state,
+        first=Half(Specification.parse("environment"), Aspect.ERROR),
+        values={"mirror/tilt": 2.0},
+        divider=0.2,
+    )
     kept = replace(kept, views=(kept.camera, replace(kept.camera, field_of_view=30.0)))
     save_scene(tmp_path / "view.toml", start.opened, kept, (320, 200))
     assert carried_over(replace(start.state, split=True), start_of(tmp_path / "view.toml")) == kept

@@ -23,6 +23,7 @@ from anamorph.cli.commands import main
 from anamorph.cli.turntable import save_turntable
 from anamorph.files.opening import open_scene
 from anamorph.frame import Frame, View
+from anamorph.methods import Specification
 from anamorph.scene.camera import Camera
 from anamorph.viewer.navigation import orbit as orbited
 from anamorph.viewer.remembered import forget, go_to, remember
@@ -136,8 +137,8 @@ def test_a_path_of_no_sense_is_refused_in_one_line(count: int, frames: int | Non
 states = st.builds(
     State,
     camera=cameras(),
-    first=st.just(Half("pervertex")),
-    second=st.just(Half("raytrace")),
+    first=st.just(Half(Specification.parse("pervertex"))),
+    second=st.just(Half(Specification.parse("raytrace"))),
     eye=st.sampled_from(EyeSide),
     observer=st.none() | cameras(),
     split=st.booleans(),

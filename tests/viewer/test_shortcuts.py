@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import pytest
 from scenes import CAMERA, scene_with, spherical_mirror
 
 from anamorph import gallery
-from anamorph.methods import METHODS
+from anamorph.methods import METHODS, Specification
 from anamorph.methods.protocol import Method
 from anamorph.scene.camera import Camera
 from anamorph.viewer.facts import Request
@@ -18,7 +18,9 @@ from anamorph.viewer.observer import first_observer
 from anamorph.viewer.shortcuts import NEARER, SHORTCUTS, TURN, press
 from anamorph.viewer.state import Aspect, Drawing, EyeSide, Half, State
 
-STATE = State(CAMERA, Half("pervertex:refine=2", Aspect.ERROR), Half("raytrace"))
+STATE = State(
+    CAMERA, Half(Specification.parse("pervertex:refine=2"), Aspect.ERROR), Half(Specification.parse("raytrace"))
+)
 HOME = Home(STATE, scene_with(spherical_mirror()))
 MOVED = replace(STATE, camera=Camera((2.0, 1.0, 2.0), (0.0, 0.5, 0.0)))
 
@@ -52,12 +54,12 @@ def after(name, *modifiers, state=STATE, home=HOME):
         (key("v"), {"drawings": {Drawing.VIEWPOINT}}),
         (key("b"), {"drawings": {Drawing.VOLUME}}),
         (key("B"), {"drawings": {Drawing.VOLUME}}),
-        (key("1"), {"first": Half("pervertex:refine=2", Aspect.PICTURE)}),
+        (key("1"), {"first": Half(Specification.parse("pervertex:refine=2"), Aspect.PICTURE)}),
         (key("2"), {}),
-        (key("3"), {"first": Half("pervertex:refine=2", Aspect.STATUS)}),
-        (key("4"), {"second": Half("raytrace", Aspect.PICTURE), "split": True}),
-        (key("5"), {"second": Half("raytrace", Aspect.ERROR), "split": True}),
-        (key("6"), {"second": Half("raytrace", Aspect.STATUS), "split": True}),
+        (key("3"), {"first": Half(Specification.parse("pervertex:refine=2"), Aspect.STATUS)}),
+        (key("4"), {"second": Half(Specification.parse("raytrace"), Aspect.PICTURE), "split": True}),
+        (key("5"), {"second": Half(Specification.parse("raytrace"), Aspect.ERROR), "split": True}),
+        (key("6"), {"second": Half(Specification.parse("raytrace"), Aspect.STATUS), "split": True}),
         (key("ArrowLeft"), {"camera": orbit(CAMERA, -TURN, 0.0)}),
         (key("ArrowRight"), {"camera": orbit(CAMERA, TURN, 0.0)}),
         (key("ArrowUp"), {"camera": orbit(CAMERA, 0.0, TURN)}),
@@ -101,7 +103,7 @@ def test_methods_follow_each_other_and_keep_their_layer():
         assert state.first.aspect is Aspect.ERROR and not state.split
     assert sorted(seen) == sorted(METHODS) and seen[-1] == "pervertex"
     second = after("M", "Shift")
-    assert second == replace(STATE, second=Half("environment"), split=True)
+    assert second == replace(STATE, second=Half(Specification.parse("environment")), split=True)
     assert after("M") == after("m"), "caps lock is no shift"
 
 
@@ -111,14 +113,22 @@ def test_methods_that_cannot_draw_the_scene_are_passed_over():
     state = STATE
     for _ in METHODS:
         state = after("m", state=state, home=lens)
-        assert METHODS[state.first.method].refracts
-    lost = replace(STATE, first=Half("environment"))
-    assert after("m", state=lost, home=lens).first.method == lens.methods[0]
+        assert state.first.method.method.refracts
+    lost = replace(STATE, first=Half(Specification.parse("environment")))
+    assert after("m", state=lost, home=lens).first.method.method.name == lens.methods[0]
+
+
+@dataclass(frozen=True)
+class Nothing:
+    """Of a method that has no options."""
 
 
 def test_a_method_that_comes_later_appears(monkeypatch):
-    monkeypatch.setitem(METHODS, "another", Method("another", "", "", Half, lambda view, options: None))
-    assert after("m", state=replace(STATE, first=Half("trilinear"))).first.method == "another"
+    monkeypatch.setitem(METHODS, "another", Method("another", "", "", Nothing, lambda view, options: None))
+    assert (
+        after("m", state=replace(STATE, first=Half(Specification.parse("trilinear")))).first.method.method.name
+        == "another"
+    )
 
 
 def test_the_eyes_take_turns():

@@ -19,6 +19,7 @@ from anamorph.gallery import make
 from anamorph.gpu.device import get_device
 from anamorph.gpu.targets import COLOR_FORMAT, make_texture, read_texture
 from anamorph.gpu.timing import device_timer
+from anamorph.methods import Specification
 from anamorph.scene.model import Scene
 from anamorph.viewer.compose import Average, Composer, FalseColorTexture, Shown
 from anamorph.viewer.fluency import PATIENCE, RESOLUTIONS, SLOWEST, Fluency, scaled
@@ -27,7 +28,9 @@ from anamorph.viewer.showing import Showing, shifts
 from anamorph.viewer.state import EYE_DISTANCE, Aspect, EyeSide, Half, State, looking_eye, shown_camera
 
 SIZE = (96, 64)
-STATE = State(make("flat-mirror").camera, Half("pervertex"), Half("raytrace"), samples=2)
+STATE = State(
+    make("flat-mirror").camera, Half(Specification.parse("pervertex")), Half(Specification.parse("raytrace")), samples=2
+)
 
 
 @pytest.fixture(scope="module")
@@ -217,7 +220,9 @@ def test_while_it_moves_the_picture_is_coarse_where_that_is_asked_for(scene: Sce
 
 def test_times_at_rest_are_those_of_the_last_picture_that_moved_with_the_devices(scene: Scene) -> None:
     showing = Showing()
-    state = State(scene.camera, Half("pervertex"), Half("raytrace"), samples=2)
+    state = State(
+        scene.camera, Half(Specification.parse("pervertex")), Half(Specification.parse("raytrace")), samples=2
+    )
     showing.update(scene, state, (48, 32))
     told = dict(showing.phases)
     assert told["prepare"] > 0.0 and ("device" in told) == (device_timer() is not None)
@@ -242,23 +247,28 @@ def test_what_moves_starts_the_picture_over_and_an_aspect_does_not(scene: Scene)
 
 def test_errors_are_measured_while_it_moves_and_at_rest(scene: Scene) -> None:
     showing = Showing()
-    state = replace(STATE, first=Half("environment", Aspect.ERROR), second=Half("raytrace"), split=True)
+    state = replace(
+        STATE,
+        first=Half(Specification.parse("environment"), Aspect.ERROR),
+        second=Half(Specification.parse("raytrace")),
+        split=True,
+    )
     move(showing, scene, state)
     assert showing.halves[0].false_color is not None and showing.halves[1].false_color is None
     settle(showing)
-    worst = showing.measured["environment"].figures.angular_mrad.max
+    worst = showing.measured[Specification.parse("environment")].figures.angular_mrad.max
     assert worst is not None and worst > 1.0
-    assert showing.frames["raytrace"].color.shape[:2] == SIZE[::-1]
+    assert showing.frames[Specification.parse("raytrace")].color.shape[:2] == SIZE[::-1]
 
 
 def test_a_method_that_cannot_leaves_its_half_black_and_says_why(scene: Scene) -> None:
     showing = Showing()
-    state = replace(STATE, split=True, second=Half("pervertex:antialias=3"))
+    state = replace(STATE, split=True, second=Half(Specification.parse("pervertex:antialias=3")))
     showing.update(scene, state, SIZE)
     settle(showing)
     assert showing.halves[0].picture is not None and showing.halves[1].picture is None
     assert "antialias" in showing.failures[0] and len(showing.failures) == 1
-    showing.update(scene, replace(state, second=Half("raytrace")), SIZE)
+    showing.update(scene, replace(state, second=Half(Specification.parse("raytrace"))), SIZE)
     assert not showing.failures and showing.halves[1].picture is not None
 
 
@@ -301,7 +311,7 @@ def test_an_unknown_method_begins_with_the_coarsest_picture_and_a_known_one_does
         moved = replace(STATE, camera=replace(STATE.camera, field_of_view=40.0 + number))
         showing.update(scene, moved, SIZE)
     assert sizes == [scaled(SIZE, scale) for scale in reversed(RESOLUTIONS)]
-    showing.update(scene, replace(STATE, first=Half("pervertex:bounces=2")), SIZE)
+    showing.update(scene, replace(STATE, first=Half(Specification.parse("pervertex:bounces=2"))), SIZE)
     assert sizes[-1] == SIZE
 
 
@@ -368,7 +378,7 @@ def test_a_slow_picture_is_drawn_over_several_frames_and_shown_when_it_is_done(s
     move(showing, scene, from_angle(30.0))
     before = showing.halves[0].picture
     assert before is not None and len(stepped) == 1
-    other = replace(from_angle(40.0), first=Half("environment"))
+    other = replace(from_angle(40.0), first=Half(Specification.parse("environment")))
     assert showing.update(scene, other, SIZE) and showing.moving
     while showing.moving:
         assert showing.halves[0].picture is before and len(stepped) == 1 and not showing.at_rest
@@ -470,7 +480,7 @@ def test_at_rest_a_picture_in_steps_is_that_of_render(method: str, monkeypatch: 
     monkeypatch.setattr("anamorph.viewer.showing.FRAME", 0.0)
     mirrors = make("facing-mirrors")
     showing = Showing()
-    state = State(mirrors.camera, Half(method), Half("raytrace"), samples=2)
+    state = State(mirrors.camera, Half(Specification.parse(method)), Half(Specification.parse("raytrace")), samples=2)
     showing.update(mirrors, replace(state, camera=replace(state.camera, field_of_view=30.0)), SIZE)
     move(showing, mirrors, state)
     settle(showing)

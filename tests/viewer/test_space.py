@@ -9,8 +9,10 @@ import pytest
 from scenes import CAMERA, CENTER, SIZE, flat_mirror, scene_with, sky_scene, spherical_mirror
 
 from anamorph import gallery
+from anamorph.base.steps import drain
 from anamorph.gallery.flat_mirror import plane_mirror
 from anamorph.gallery.shapes import box
+from anamorph.methods import Specification
 from anamorph.methods.pervertex import Options, seen_bodies
 from anamorph.methods.tracing import PathTracer
 from anamorph.raymesh import RayStatus
@@ -44,7 +46,13 @@ def seen_in(scene: Scene, camera: Camera | None = None, options: Options = OPTIO
 
 
 def state_of(scene: Scene, *drawings: Drawing, method: str = "pervertex", observer: Camera | None = None) -> State:
-    return State(scene.camera, Half(method), Half("raytrace"), drawings=frozenset(drawings), observer=observer)
+    return State(
+        scene.camera,
+        Half(Specification.parse(method)),
+        Half(Specification.parse("raytrace")),
+        drawings=frozenset(drawings),
+        observer=observer,
+    )
 
 
 def finite(marks) -> bool:
@@ -120,7 +128,9 @@ def test_hits_are_where_the_traced_paths_of_the_vertices_end():
     space, (seen,) = seen_in(scene)
     vertices = seen.body_rays.side.optics.positions
     eye = np.tile(np.array(CAMERA.position), (len(vertices), 1))
-    records = PathTracer(scene, space.geometry, space.surroundings.caster).trace_rays(eye, vertices - eye).astype(float)
+    records = drain(
+        PathTracer(scene, space.geometry, space.surroundings.caster).tracing_rays(eye, vertices - eye)
+    ).astype(float)
     ends = records[:, :3] + records[:, 11:12] * records[:, 4:7]
     bent = (records.astype(np.float32).view(np.uint32)[:, 7] >> 24) == 1
     known = bent & np.isfinite(seen.distances) & (seen.body_rays.rays.status == RayStatus.OK)

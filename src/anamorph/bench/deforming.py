@@ -23,15 +23,14 @@ from anamorph.gpu.device import adapter_name
 from anamorph.measure.errors import measure
 from anamorph.measure.figures import number
 from anamorph.measure.frame_times import WARM_UP, Timing, eye_path
-from anamorph.methods import parse
-from anamorph.methods.protocol import Session
-from anamorph.methods.session import Stage
+from anamorph.methods import Session, Specification
+from anamorph.methods.stage import Stage
 from anamorph.scene.camera import Camera
 
-COMPETITORS = ("raytrace:tree=refit", "raytrace:tree=rebuild")
+COMPETITORS = ("raytrace", "raytrace:tree=rebuild")
 """The ray tracer with both ways to follow the motion; the faster one is what every time is compared with."""
 
-DEFAULT = ("pervertex:start=direction,refine=1",)
+DEFAULT = ("pervertex:refine=1,start=direction",)
 """What is timed against it where nothing is chosen."""
 
 RATE = 30.0
@@ -83,7 +82,7 @@ class DeformingTimes:
 
 
 def time_deforming(
-    specs: Sequence[str] = DEFAULT,
+    methods: Sequence[str | Specification] = DEFAULT,
     size: tuple[int, int] = DEFAULT_SIZE,
     frames: int = 30,
     progress: Callable[[int, int], None] = lambda done, total: None,
@@ -92,19 +91,19 @@ def time_deforming(
 
     Parameters
     ----------
-    specs : sequence of str
-        Methods, each "NAME" or "NAME:option=value,...".
+    methods : sequence of str or Specification
+        Each "NAME" or "NAME:option=value,...", parsed or not.
     size : (width, height)
     frames : int
         How many are timed; scene and eye move from each to the next.
     progress : callable
         Told the rounds done, and their number.
     """
-    names = tuple(dict.fromkeys((*specs, *COMPETITORS)))
-    chosen = {name: parse(name) for name in names}
+    chosen = dict.fromkeys(map(Specification.parse, (*methods, *COMPETITORS)))
+    names = tuple(map(str, chosen))
     scene = deforming()
     view = View(scene, scene.camera, size)
-    sessions = {name: method.open(view, options) for name, (method, options) in chosen.items()}
+    sessions = {str(each): each.open(view) for each in chosen}
     stage = Stage(view)
     moments = [deformed(moment / RATE) for moment in range(frames)]
     cameras = eye_path(scene, frames)

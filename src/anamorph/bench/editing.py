@@ -18,7 +18,7 @@ from anamorph.frame import View
 from anamorph.gallery.shapes import lattice
 from anamorph.gpu.device import adapter_name
 from anamorph.measure.figures import number
-from anamorph.methods import METHODS, parse
+from anamorph.methods import METHODS, Specification
 from anamorph.scene.model import Mesh, Scene
 from anamorph.viewer.controls import edited
 
@@ -30,13 +30,13 @@ FILLING = 2
 
 
 def editing_table(
-    specs: Sequence[str] | None = None,
+    methods: Sequence[Specification] = (),
     size: tuple[int, int] = SIZE,
     steps: int = 9,
     progress: Callable[[int, int], None] = lambda done, total: None,
     counts: Sequence[int] = COUNTS,
 ) -> Table:
-    """Time steps of a slider in scenes of `counts` triangles, by methods with their options (all methods)."""
+    """Time steps of a slider in scenes of `counts` triangles, by `methods` or by all."""
     width, height = size
     table = Table(
         title=Text(f"one step of a slider, {width} x {height}: medians, in ms"),
@@ -46,23 +46,23 @@ def editing_table(
     )
     for heading in ("triangles", "method", "edit", "open", "first image", "second image"):
         table.add_column(heading, justify="left" if heading == "method" else "right")
-    cases = [(count, method) for count in counts for method in specs or METHODS]
+    chosen = methods or [Specification.parse(name) for name in METHODS]
+    cases = [(count, method) for count in counts for method in chosen]
     for done, (count, method) in enumerate(cases):
         progress(done, len(cases))
         scene = hilly(count)
         times = np.array([step(scene, method, size, 0.2 * n) for n in range(steps + FILLING)])
         medians = [number(1000.0 * median) for median in np.median(times[FILLING:], axis=0)]
-        table.add_row(f"{sum(len(mesh.faces) for mesh in scene.meshes):,}", Text(method), *medians)
+        table.add_row(f"{sum(len(mesh.faces) for mesh in scene.meshes):,}", Text(str(method)), *medians)
     return table
 
 
-def step(scene: Scene, method: str, size: tuple[int, int], swivel: float) -> list[float]:
+def step(scene: Scene, method: Specification, size: tuple[int, int], swivel: float) -> list[float]:
     """Seconds that editing, opening and two pictures took."""
-    opener, options = parse(method)
     times = [perf_counter()]
     changed = edited(scene, {"mirror/swivel": swivel})
     times.append(perf_counter())
-    session = opener.open(View(changed, changed.camera, size), options)
+    session = method.open(View(changed, changed.camera, size))
     times.append(perf_counter())
     for _ in range(2):
         session.draw(changed.camera)

@@ -11,6 +11,7 @@ import shlex
 import sys
 from collections.abc import Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from anamorph.base.errors import AnamorphError
 from anamorph.base.logs import show_errors_of_libraries, silence_libraries
@@ -19,6 +20,9 @@ from anamorph.base.progress import progress_bar
 from anamorph.base.versions import versions
 from anamorph.cli.arguments import make_parser
 from anamorph.files.source_words import face_choice
+
+if TYPE_CHECKING:
+    from anamorph.methods import Specification
 
 NOTEWORTHY = 0.005
 """The share of a picture's mirrors without an answer that is reported to a user."""
@@ -72,22 +76,21 @@ def _render(arguments: argparse.Namespace) -> None:
     from anamorph.files.opening import open_scene
     from anamorph.frame import View
     from anamorph.measure.status import gaps, status_shares
-    from anamorph.methods import parse, with_option
+    from anamorph.methods import Specification
     from anamorph.rendering import draw_frame
 
-    if arguments.method:
-        parse(arguments.method)
+    chosen = Specification.parse(arguments.method) if arguments.method else None
     what = f"rendering {arguments.scene}"
     with progress_bar(what) as report:
         scene, settings = open_scene(arguments.scene, face_choice(arguments), arguments.mirror_of)
         size = arguments.size or settings.size
         view = View(scene, scene.camera, size, samples=arguments.samples)
-        specification = arguments.method or settings.method
+        specification = chosen or Specification.parse(settings.method)
         if arguments.tolerance is not None:
-            method, options = parse(specification)
-            if not hasattr(options, "tolerance"):
-                raise AnamorphError(f"--tolerance: {method.name} has none; leave it out, or give -m pervertex")
-            specification = with_option(specification, "tolerance", arguments.tolerance)
+            if not hasattr(specification.options, "tolerance"):
+                name = specification.method.name
+                raise AnamorphError(f"--tolerance: {name} has none; leave it out, or give -m pervertex")
+            specification = specification.with_options(tolerance=arguments.tolerance)
 
         def drawn(done: int, total: int) -> None:
             report(done, total, f"{what}, picture {done} of {total}" if total > 1 else what)
@@ -117,19 +120,20 @@ def _compare(arguments: argparse.Namespace) -> None:
     from anamorph.measure.compare import compare
     from anamorph.measure.page import comparison_page
     from anamorph.measure.table import comparison_table, print_table
-    from anamorph.methods import METHODS, parse, with_option
+    from anamorph.methods import METHODS, Specification
 
-    for spec in arguments.method or ():
-        parse(spec)
+    chosen = [Specification.parse(text) for text in arguments.method or ()]
     with progress_bar(f"opening {arguments.scene}") as report:
         scene, settings = open_scene(arguments.scene, face_choice(arguments), arguments.mirror_of)
         size = arguments.size or settings.size
         able = [name for name, method in METHODS.items() if method.refracts or not scene.refracts]
-        specs = arguments.method or able
-        for number, spec in enumerate(specs):
-            if arguments.tolerance is not None and hasattr(parse(spec)[0].options, "tolerance"):
-                specs[number] = with_option(spec, "tolerance", arguments.tolerance)
-        comparison = compare(scene, specs, size, command=arguments.command_line, report=report)
+        methods = chosen or [Specification.parse(name) for name in able]
+        if arguments.tolerance is not None:
+            methods = [
+                each.with_options(tolerance=arguments.tolerance) if hasattr(each.options, "tolerance") else each
+                for each in methods
+            ]
+        comparison = compare(scene, methods, size, command=arguments.command_line, report=report)
     if arguments.json:
         save_text(arguments.json, comparison.to_json())
     if arguments.html:
@@ -139,26 +143,26 @@ def _compare(arguments: argparse.Namespace) -> None:
 
 def _view(arguments: argparse.Namespace) -> None:
     from anamorph.files.source import Source
-    from anamorph.methods import parse
+    from anamorph.methods import Specification
     from anamorph.viewer.backends.choice import show
     from anamorph.viewer.starting import start_of
 
-    if arguments.method:
-        parse(arguments.method)
+    chosen = Specification.parse(arguments.method) if arguments.method else None
     with progress_bar(f"opening {arguments.scene}"):
         source = Source(arguments.scene, face_choice(arguments), arguments.mirror_of)
-        start = start_of(source, arguments.method)
+        start = start_of(source, chosen)
     show_errors_of_libraries("uvicorn")
     show(start, arguments.backend, arguments.port, arguments.size)
 
 
 def _turntable(arguments: argparse.Namespace) -> None:
     from anamorph.cli.turntable import save_turntable
+    from anamorph.methods import Specification
 
     summary = save_turntable(
         arguments.scene,
         arguments.output,
-        arguments.method,
+        Specification.parse(arguments.method) if arguments.method else None,
         arguments.size,
         arguments.frames,
         arguments.swing,
@@ -174,14 +178,13 @@ def _bench_deforming(arguments: argparse.Namespace) -> None:
     from anamorph.bench.deforming import DEFAULT, deforming_table, time_deforming
     from anamorph.files.scene_file import DEFAULT_SIZE
     from anamorph.measure.table import print_table
-    from anamorph.methods import parse
+    from anamorph.methods import Specification
 
-    for spec in arguments.method or ():
-        parse(spec)
+    chosen = [Specification.parse(text) for text in arguments.method or DEFAULT]
     what = "timing deforming"
     with progress_bar(what) as report:
         times = time_deforming(
-            arguments.method or DEFAULT,
+            chosen,
             arguments.size or DEFAULT_SIZE,
             arguments.frames,
             lambda done, total: report(done, total, what),
@@ -192,14 +195,13 @@ def _bench_deforming(arguments: argparse.Namespace) -> None:
 def _bench_editing(arguments: argparse.Namespace) -> None:
     from anamorph.bench.editing import SIZE, editing_table
     from anamorph.measure.table import print_table
-    from anamorph.methods import parse
+    from anamorph.methods import METHODS, Specification
 
-    for spec in arguments.method or ():
-        parse(spec)
+    chosen = [Specification.parse(text) for text in arguments.method or METHODS]
     what = "timing steps of a slider"
     with progress_bar(what) as tell:
         table = editing_table(
-            arguments.method,
+            chosen,
             arguments.size or SIZE,
             arguments.steps,
             lambda done, total: tell(done, total, what),
@@ -253,12 +255,11 @@ def _demo(arguments: argparse.Namespace) -> None:
     print(f"Pictures and the page are in {arguments.output}; open {arguments.output / 'index.html'}")
 
 
-def _remedy(specification: str, ended: bool) -> str:
+def _remedy(specification: Specification, ended: bool) -> str:
     """What to ask for where pixels got no answer: more bounces if most paths `ended`, or tracing."""
-    from anamorph.methods import parse
     from anamorph.methods.pervertex import MAXIMUM_BOUNCES
 
-    method, options = parse(specification)
+    method, options = specification.method, specification.options
     if method.name != "pervertex":
         return f"-m {method.name}:bounces={min(2 * max(options.bounces, 1), 255)}"
     if options.tolerance > 0.0:

@@ -11,6 +11,7 @@ from anamorph.files.scene_file import DEFAULT_SIZE
 from anamorph.frame import View
 from anamorph.measure.compare import Comparison, compare
 from anamorph.measure.page import comparison_page
+from anamorph.methods import Specification
 from anamorph.rendering import draw_frame
 
 SCENE = "car-mirror"
@@ -32,7 +33,7 @@ def make_demo(directory: Path, command: str, report: Report) -> Comparison:
     for step, (name, (specification, samples)) in enumerate(PICTURES.items()):
         report(step, len(PICTURES), f"smooth picture by {name}")
         view = View(scene, scene.camera, SIZE, samples)
-        draw_frame(view, specification).save(directory / f"{SCENE}-{name}.png")
+        draw_frame(view, Specification.parse(specification)).save(directory / f"{SCENE}-{name}.png")
     save_text(directory / "comparison.json", comparison.to_json())
     save_text(directory / "index.html", comparison_page(comparison))
     return comparison

@@ -11,7 +11,7 @@ from anamorph.base.video import check_video
 from anamorph.files.opening import open_scene
 from anamorph.files.scene_file import Settings
 from anamorph.files.source import FaceChoice
-from anamorph.methods import parse
+from anamorph.methods import Specification
 from anamorph.scene.camera import Camera
 from anamorph.scene.model import Scene
 from anamorph.viewer.facts import Progress
@@ -23,7 +23,7 @@ from anamorph.viewer.view_table import views_of
 def save_turntable(
     source: str,
     output: Path,
-    method: str | None = None,
+    method: Specification | None = None,
     size: tuple[int, int] | None = None,
     frames: int | None = None,
     swing: float | None = None,
@@ -38,8 +38,6 @@ def save_turntable(
     With `path`, the eye goes through the views that the viewer remembered and the scene file keeps. Other parameters
     as for `orbit`, `between`, `turntable` and `open_scene`.
     """
-    if method:
-        parse(method)
     check_video(output, size or (1, 1))
     if path and swing is not None:
         raise AnamorphError(f"swing is {swing:g}, and a path has none; leave out one of both")
@@ -50,7 +48,7 @@ def save_turntable(
             report(step.done, step.total, step.what)
 
         cameras = _path(source, settings, frames) if path else _orbit(scene, frames, swing)
-        specification = method or settings.method
+        specification = method or Specification.parse(settings.method)
         steps = turntable(output, scene, specification, cameras, size or settings.size, samples, rate)
         return drain(steps, report_step)
 

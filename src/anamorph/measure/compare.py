@@ -16,8 +16,7 @@ from anamorph.gpu.device import adapter_name
 from anamorph.measure.errors import Errors, measure
 from anamorph.measure.frame_times import Timing, eye_path, timing_rounds
 from anamorph.measure.status import status_shares
-from anamorph.methods import parse
-from anamorph.methods.protocol import Session
+from anamorph.methods import Session, Specification
 from anamorph.scene.model import Scene
 
 COMPETITOR = "raytrace"
@@ -108,9 +107,9 @@ class Comparison:
 
 def compare(
     scene: Scene,
-    methods: Sequence[str],
+    methods: Sequence[str | Specification],
     size: tuple[int, int] = DEFAULT_SIZE,
-    truth: str = "raytrace",
+    truth: str | Specification = COMPETITOR,
     frames: int = 30,
     command: str = "",
     report: Report | None = None,
@@ -121,10 +120,10 @@ def compare(
     ----------
     scene : Scene
         Seen by its own camera.
-    methods : sequence of str
-        Methods, each "NAME" or "NAME:option=value,...". The competitor, `raytrace`, is always added.
+    methods : sequence of str or Specification
+        Each "NAME" or "NAME:option=value,...", parsed or not. The competitor, `raytrace`, is always added.
     size : (width, height)
-    truth : str
+    truth : str or Specification
         The method that is right: `raytrace` bends rays at the exact surface.
     frames : int
         How many frames are timed, at least; all methods take turns.
@@ -143,9 +142,9 @@ def compare(
 
 def comparison_steps(
     scene: Scene,
-    methods: Sequence[str],
+    methods: Sequence[str | Specification],
     size: tuple[int, int] = DEFAULT_SIZE,
-    truth: str = "raytrace",
+    truth: str | Specification = COMPETITOR,
     frames: int = 30,
     command: str = "",
 ) -> Generator[Step, None, Comparison]:
@@ -153,21 +152,22 @@ def comparison_steps(
 
     What is drawn elsewhere between two steps must have finished before the next, or it would count as a method's time.
     """
-    names = tuple(dict.fromkeys((*methods, COMPETITOR)))
-    chosen = {name: parse(name) for name in (*names, truth)}
+    right = Specification.parse(truth)
+    chosen = {str(each): each for each in map(Specification.parse, (*methods, COMPETITOR, right))}
+    names = tuple(dict.fromkeys(str(Specification.parse(each)) for each in (*methods, COMPETITOR)))
     total = 2 * len(names) + 1
     view = View(scene, scene.camera, size)
 
     sessions: dict[str, Session] = {}
-    for name, (method, options) in chosen.items():
+    for name, specification in chosen.items():
         yield 0, total, f"opening {name}"
-        sessions[name] = method.open(view, options)
-    yield 0, total, f"truth by {truth}"
-    truth_frame = _frame(sessions[truth], view)
+        sessions[name] = specification.open(view)
+    yield 0, total, f"truth by {right}"
+    truth_frame = _frame(sessions[str(right)], view)
     drawn: dict[str, tuple[Frame, Errors]] = {}
     for step, name in enumerate(names, start=1):
         yield step, total, f"errors of {name}"
-        frame = truth_frame if name == truth else _frame(sessions[name], view)
+        frame = truth_frame if name == str(right) else _frame(sessions[name], view)
         drawn[name] = frame, measure(truth_frame, frame)
 
     # Under a name that no method has.
@@ -185,7 +185,7 @@ def comparison_steps(
         adapter=adapter_name(),
         versions=versions(),
         command=command,
-        truth=truth,
+        truth=str(right),
         truth_frame=truth_frame,
         methods=tuple(MethodResult(name, *drawn[name], timings[name]) for name in names),
         without_mirrors=timings.get(""),
@@ -197,8 +197,7 @@ def _without_mirrors(view: View) -> dict[str, Session]:
     left = replace(view.scene, meshes=tuple(mesh for mesh in view.scene.meshes if not mesh.specular))
     if not left.meshes:
         return {}
-    method, options = parse(PLAIN)
-    return {"": method.open(replace(view, scene=left), options)}
+    return {"": Specification.parse(PLAIN).open(replace(view, scene=left))}
 
 
 def _frame(session: Session, view: View) -> Frame:

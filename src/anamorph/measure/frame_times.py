@@ -4,15 +4,17 @@ from __future__ import annotations
 
 import statistics
 import time
-from collections.abc import Callable, Generator, Mapping, Sequence
+from collections.abc import Generator, Hashable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import TypeVar
 
 import numpy as np
 
-from anamorph.base.steps import drain
-from anamorph.methods.protocol import Session
+from anamorph.methods.session import Session
 from anamorph.scene.camera import Camera
 from anamorph.scene.model import Scene
+
+Name = TypeVar("Name", bound=Hashable)
 
 WARM_UP = 3
 """Frames that are drawn but not counted: shaders are compiled at their first use."""
@@ -49,24 +51,14 @@ def _eye_distance(scene: Scene) -> float:
     return float(np.linalg.norm(offsets, axis=1).min())
 
 
-def time_in_turn(
-    sessions: Mapping[str, Session],
-    cameras: Sequence[Camera],
-    minimum: int = 30,
-    progress: Callable[[int, int], None] | None = None,
-) -> dict[str, Timing]:
+def timing_rounds(
+    sessions: Mapping[Name, Session], cameras: Sequence[Camera], minimum: int = 30
+) -> Generator[tuple[int, int], None, dict[Name, Timing]]:
     """Time sessions side by side: each draws a frame from one camera before any goes on to the next.
 
-    What else the machine does thus falls on all of them alike. `progress` takes the rounds done, and their number.
+    What else the machine does thus falls on all of them alike. Yields the rounds done, and their number.
     """
-    return drain(timing_rounds(sessions, cameras, minimum), lambda turn: progress(*turn) if progress else None)
-
-
-def timing_rounds(
-    sessions: Mapping[str, Session], cameras: Sequence[Camera], minimum: int = 30
-) -> Generator[tuple[int, int], None, dict[str, Timing]]:
-    """The same round by round: yields the rounds done, and their number."""
-    spent: dict[str, list[float]] = {name: [] for name in sessions}
+    spent: dict[Name, list[float]] = {name: [] for name in sessions}
     counted = max(minimum, len(cameras))
     for round_number in range(-WARM_UP, counted):
         for name, session in sessions.items():

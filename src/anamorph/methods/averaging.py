@@ -10,7 +10,7 @@ import numpy as np
 
 from anamorph.base.errors import AnamorphError
 from anamorph.base.steps import mapped
-from anamorph.methods.protocol import Session, drawing
+from anamorph.methods.session import Session
 from anamorph.raymesh import RayMesh
 from anamorph.scene.camera import Camera
 
@@ -27,8 +27,8 @@ def averaging(session: Session, camera: Camera | RayMesh, samples: int) -> Gener
     steps = (np.arange(samples) + 0.5) / samples - 0.5
     total: np.ndarray | float = 0.0
     for done, (y, x) in enumerate(product(steps, steps), start=1):
-        yield from mapped(drawing(session, camera, (float(x), float(y))), partial(_told, done - 1, samples**2))
-        total = total + session.frame().color.astype(float)
+        yield from mapped(session.drawing(camera, (float(x), float(y))), partial(_told, done - 1, samples**2))
+        total = total + session.color().astype(float)
         yield done, samples**2
     return np.asarray(total / samples**2, np.float32)
 

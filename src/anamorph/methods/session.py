@@ -2,32 +2,25 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Generator, Mapping, Sequence
-from dataclasses import replace
-from functools import cached_property
+from collections.abc import Callable, Generator, Mapping
 from time import perf_counter
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 import wgpu
 
-from anamorph.base.errors import AnamorphError
 from anamorph.base.steps import drain, timed
-from anamorph.frame import Frame, Status, View
-from anamorph.gpu.buffers import SceneBuffers, pack_vertices, upload_scene, upload_vertices
-from anamorph.gpu.device import get_device, maximum_size
+from anamorph.frame import Frame, Status
+from anamorph.gpu.device import get_device
 from anamorph.gpu.drawing import (
-    ProjectionUniform,
     ScenePipelines,
     bind_scene,
     color_pipelines,
     draw_depth,
     draw_scene,
-    projection_uniform,
     seen_pipelines,
     submit,
 )
-from anamorph.gpu.recording import Recorder
 from anamorph.gpu.targets import (
     COLOR_FORMAT,
     SEEN_FORMATS,
@@ -37,124 +30,23 @@ from anamorph.gpu.targets import (
     make_target,
     read_texture,
 )
-from anamorph.projection import camera_projection
+from anamorph.methods.drawing import SpecularDrawing
+from anamorph.methods.stage import Stage
 from anamorph.raymesh import RayMesh
 from anamorph.scene.camera import Camera
-from anamorph.scene.geometry import Geometry, flatten
 
 
-class SpecularDrawing(Protocol):
-    """How one method draws the specular meshes of a scene, or all that a ray mesh sees of it.
+class Session:
+    """One scene, size and set of options, ready to draw: everything that can be made once has been.
 
-    A `camera` is a pinhole or a ray mesh as the stage's is: methods that take no ray meshes never see one.
-    """
-
-    @property
-    def replaced(self) -> tuple[int, ...]:
-        """Indices of the meshes that this drawing draws itself, known once the frame is prepared."""
-        ...
-
-    def deformed(self, geometry: Geometry) -> None:
-        """Take notice that vertices have moved: they are where `geometry` says, and so on the device."""
-        ...
-
-    def prepare(
-        self, encoder: wgpu.GPUCommandEncoder, camera: Any, shift: tuple[float, float]
-    ) -> Generator[None, None, wgpu.GPUCommandEncoder] | None:
-        """Record whatever must be drawn or uploaded before the picture: maps, texture coordinates, hits.
-
-        Where that may take long it is a generator, which yields every few milliseconds and returns the encoder to go
-        on with: see `Recorder.part`. It may be closed at any step; the next frame then begins anew.
-        """
-        ...
-
-    def draw_color(self, render_pass: wgpu.GPURenderPassEncoder) -> None:
-        """Draw into the picture before the scene, which is hidden behind it; shading and projection are bound."""
-        ...
-
-    def complete(self, target: Target, camera: Any, shift: tuple[float, float]) -> None:
-        """Mend the picture in `target` where the method itself knows that it must; most methods know nothing."""
-        ...
-
-    def prepare_seen(self, encoder: wgpu.GPUCommandEncoder) -> None:
-        """Record what the seen buffers need beyond `prepare`."""
-        ...
-
-    def draw_seen(self, render_pass: wgpu.GPURenderPassEncoder) -> None:
-        """Draw into the seen buffers."""
-        ...
-
-    def rays(self) -> tuple[np.ndarray, np.ndarray] | None:
-        """Origins and directions, (H, W, 3), of each pixel's last ray, where the method has them."""
-        ...
-
-    def figures(self) -> dict[str, float]:
-        """What the method tells of how it drew the last frame, by name; names of shares end in "_percent"."""
-        ...
-
-
-class Stage:
-    """What a method draws on: the scene on the device and the eye's projection.
-
-    Attributes
+    Parameters
     ----------
-    recorder : Recorder
-    pinhole : bool
-        Whether the camera is one. If it is a ray mesh, only the picture's size in the projection means something, and
-        the session leaves all drawing to the method.
+    stage : Stage
+    drawing : SpecularDrawing
+        Draws the specular meshes.
+    antialias : int
+        Samples a pixel: 1 or 4.
     """
-
-    def __init__(self, view: View) -> None:
-        sides = view.size if isinstance(view.size, Sequence | np.ndarray) else ()
-        if len(sides) != 2 or not all(isinstance(side, int | np.integer) for side in sides):
-            raise AnamorphError(f"size is {view.size}; give two whole numbers of pixels, like (1024, 768)")
-        if min(view.size) < 1 or max(view.size) > maximum_size():
-            width, height = view.size
-            raise AnamorphError(f"size {width}x{height}: give a width and height from 1 to {maximum_size()}")
-        self.view = view
-        self.recorder = Recorder()
-        self.pinhole = not isinstance(view.camera, RayMesh)
-        self.geometry: Geometry = flatten(view.scene)
-        self.buffers: SceneBuffers = upload_scene(view.scene, self.geometry)
-        self.projection: ProjectionUniform = projection_uniform()
-
-    def look(self, camera: Camera | RayMesh, shift: tuple[float, float]) -> None:
-        """Set the projection."""
-        if isinstance(camera, RayMesh) is self.pinhole:
-            raise AnamorphError("camera: is of another kind than the session was opened with; open one for it")
-        eye = self.view.scene.camera if isinstance(camera, RayMesh) else camera
-        self.projection.write(camera_projection(eye, self.view.size, shift), self.view.size)
-
-    @cached_property
-    def _vertices(self) -> np.ndarray:
-        return pack_vertices(self.geometry)
-
-    def deform(self, positions: np.ndarray, normals: np.ndarray) -> None:
-        """Move the vertices, here and on the device. See `Session.deform`."""
-        self.geometry = replace(
-            self.geometry,
-            positions=self._checked("positions", positions, self.geometry.positions),
-            normals=self._checked("normals", normals, self.geometry.normals),
-        )
-        self._vertices["position"], self._vertices["normal"] = self.geometry.positions, self.geometry.normals
-        upload_vertices(self.buffers, self._vertices)
-
-    def _checked(self, name: str, given: np.ndarray, before: np.ndarray) -> np.ndarray:
-        values = np.array(given, np.float32, order="C")
-        if values.shape != before.shape:
-            raise AnamorphError(f"deform: {name} have the shape {values.shape}; give {before.shape}")
-        if not np.isfinite(values).all():
-            raise AnamorphError(f"deform: {name} are not all finite; give numbers")
-        for index in self.buffers.specular:
-            own = slice(*self.geometry.first_vertex[index : index + 2])
-            if not np.array_equal(values[own], before[own]):
-                mesh = self.view.scene.meshes[index].name
-                raise AnamorphError(f"deform: {name} of {mesh!r} differ, which is specular; leave its vertices alone")
-        return values
-
-
-class DrawingSession:
-    """Draws the scene and, through a `SpecularDrawing`, its specular meshes. See `Session`."""
 
     def __init__(self, stage: Stage, drawing: SpecularDrawing, antialias: int = 1) -> None:
         self._stage = stage
@@ -165,15 +57,26 @@ class DrawingSession:
 
     @property
     def texture(self) -> wgpu.GPUTexture:
-        """Where frames are drawn."""
+        """Where frames are drawn, on the device: linear, rgba16float, the last one in it."""
         return self._target.textures[0]
 
     def draw(self, camera: Camera | RayMesh, shift: tuple[float, float] = (0.0, 0.0)) -> None:
-        """Submit one frame."""
+        """Submit one frame at once; see `drawing`."""
         drain(self.drawing(camera, shift))
 
     def drawing(self, camera: Camera | RayMesh, shift: tuple[float, float] = (0.0, 0.0)) -> Generator[None, None, None]:
-        """Submit one frame in steps. See `Stepwise`."""
+        """Submit one frame in steps of a few milliseconds.
+
+        Until it ends, the texture holds the frame before. It may be closed at any step, and the next frame is drawn as
+        if it had never begun; nothing else may be asked of the session meanwhile.
+
+        Parameters
+        ----------
+        camera : Camera or RayMesh
+            Of the kind that the session was opened with.
+        shift : (right, down)
+            Moves the sample points, in pixels.
+        """
         stage, began = self._stage, perf_counter()
         stage.look(camera, shift)
         encoder = stage.recorder.begin()
@@ -191,7 +94,12 @@ class DrawingSession:
         self._phases |= {phase: 1000.0 * seconds for phase, seconds in spent.items()}
 
     def phases(self) -> Mapping[str, float]:
-        """Where a frame's time goes."""
+        """Where a frame's time goes, milliseconds by phase; empty before the first frame.
+
+        Of the last draw, one after the other on the processor: "prepare" (rays, and maps planned), "record" (passes
+        recorded and submitted) and "mend" (what the method does once it is drawn, the device's part included). Beside
+        them "device": what the device needed for the last frame that was waited for, where it tells.
+        """
         return dict(self._phases)
 
     def _draw(
@@ -215,19 +123,34 @@ class DrawingSession:
         render_pass.end()
 
     def deform(self, positions: np.ndarray, normals: np.ndarray) -> None:
-        """Move the scene's vertices."""
+        """Move the scene's vertices, for every frame to come; `positions` and `normals` are (V, 3) float32.
+
+        They are numbered as `scene.geometry.flatten` does, and the triangles between them stay. Specular meshes stay
+        where they are, because their exact surfaces do.
+        """
         self._stage.deform(positions, normals)
         self._drawing.deformed(self._stage.geometry)
 
     def wait(self) -> None:
-        """Return when every submitted frame is finished."""
+        """Return when every submitted frame is finished on the device."""
         milliseconds = self._stage.recorder.wait()
         if milliseconds is not None:
             self._phases["device"] = milliseconds
 
-    def frame(self, seen: bool = False) -> Frame:
-        """Read the last frame back."""
-        color = read_texture(self._target.textures[0])[..., :3].astype(np.float32)
+    def diagnostics(self) -> Mapping[str, Any]:
+        """What the session holds, by name, for tests and for whoever looks for a fault."""
+        return {"buffers": self._stage.buffers, **self._drawing.diagnostics()}
+
+    def color(self) -> np.ndarray:
+        """Read the last frame's colour back, (H, W, 3) float32."""
+        return read_texture(self.texture)[..., :3].astype(np.float32)
+
+    def frame(self, seen: bool = False, color: np.ndarray | None = None) -> Frame:
+        """Read the last frame back; its seen buffers, if asked for, are drawn in passes of their own.
+
+        A `color` that has been read already, or is the mean of several frames, is taken and not read again.
+        """
+        color = self.color() if color is None else color
         if not seen:
             return Frame(color, ray_mesh=not self._stage.pinhole)
         stage = self._stage

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from enum import StrEnum
 
 from anamorph.measure.errors import Statistics
+from anamorph.methods.specification import Specification
 from anamorph.scene.camera import Camera
 from anamorph.scene.model import Scene
 
@@ -45,7 +46,7 @@ class Inspection:
     ----------
     pixel : (x, y)
         Whole pixels of the picture from its top left.
-    method : str
+    method : Specification
     seen : str
         The object's name, or "sky", or "nothing".
     point : three floats or None
@@ -65,7 +66,7 @@ class Inspection:
     """
 
     pixel: tuple[int, int]
-    method: str
+    method: Specification
     seen: str
     point: Vector | None
     distance: float | None

@@ -10,6 +10,7 @@ from anamorph.base.errors import AnamorphError
 from anamorph.frame import Frame
 from anamorph.measure.errors import ErrorMaps
 from anamorph.measure.status import STATUS_NAMES
+from anamorph.methods.specification import Specification
 from anamorph.methods.tracing import PathTracer
 from anamorph.scene.camera import Camera
 from anamorph.scene.model import Scene
@@ -25,7 +26,7 @@ def inspect(
     camera: Camera,
     size: tuple[int, int],
     pixel: tuple[int, int],
-    method: str,
+    method: Specification,
     frame: Frame,
     truth: Frame | None = None,
     maps: ErrorMaps | None = None,
@@ -42,7 +43,7 @@ def inspect(
         Of the picture.
     pixel : (x, y)
         Whole pixels from the top left.
-    method : str
+    method : Specification
         What drew `frame`, for the record.
     frame : Frame
         With its seen buffers.

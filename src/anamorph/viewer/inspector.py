@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from anamorph.frame import Frame, View
-from anamorph.methods import parse
+from anamorph.methods import Specification
 from anamorph.scene.camera import Camera
 from anamorph.viewer.facts import Inspection
 from anamorph.viewer.inspection import inspect, trace_path
@@ -73,7 +73,7 @@ class Inspector:
         self.inspection, self._picked, self._by_eye = None, state.picked, True
         method, eye = _method(state), looking_eye(state)
         view = View(space.scene, eye, size)
-        frames = {name: _seen(view, name) for name in (TRUTH, method)}
+        frames = {each: _seen(view, each) for each in (TRUTH, method)}
         self._found(space, state, eye, size, measure_half(frames[TRUTH], frames[method]))
 
     def _look(self, space: Space, state: State, size: Size, showing: Showing) -> None:
@@ -90,14 +90,13 @@ class Inspector:
         self._by_eye, self._traced = not state.picked_outside, (space, camera)
 
 
-def _seen(view: View, specification: str) -> Frame:
-    method, options = parse(specification)
-    session = method.open(view, options)
+def _seen(view: View, specification: Specification) -> Frame:
+    session = specification.open(view)
     session.draw(view.camera)
     return session.frame(seen=True)
 
 
-def _method(state: State) -> str:
+def _method(state: State) -> Specification:
     """Of the half that is looked into."""
     assert state.picked is not None
     beyond = state.split and state.picked[0] >= state.divider

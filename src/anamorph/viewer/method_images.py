@@ -7,8 +7,7 @@ from collections.abc import Generator, Mapping
 import wgpu
 
 from anamorph.frame import Frame, View
-from anamorph.methods import Session, parse
-from anamorph.methods.protocol import drawing
+from anamorph.methods import Session, Specification
 from anamorph.scene.camera import Camera
 from anamorph.scene.model import Scene
 from anamorph.viewer.compose import Average
@@ -22,7 +21,7 @@ before."""
 
 
 class MethodImages:
-    """Pictures of a scene by the method that a specification names, each drawn in the steps that the method has.
+    """Pictures of a scene by the method with its options, each drawn in the steps that the method has.
 
     One is drawn at a time; one that is left in the midst shows nothing, and the next is begun anew.
 
@@ -35,7 +34,7 @@ class MethodImages:
         What the time of the last picture that was waited for went to, milliseconds: only of these the device tells.
     """
 
-    def __init__(self, scene: Scene, specification: str) -> None:
+    def __init__(self, scene: Scene, specification: Specification) -> None:
         self._scene, self._specification = scene, specification
         self._sessions: dict[Size, Session] = {}
         self._last: Session | None = None
@@ -97,7 +96,7 @@ class MethodImages:
         self.failure = ""
         try:
             session = self._session(camera, size)
-            yield from drawing(session, camera, shift)
+            yield from session.drawing(camera, shift)
         except Exception as error:
             self._fail(error, camera, size)
             return None
@@ -113,8 +112,7 @@ class MethodImages:
         if session is None:
             while len(self._sessions) >= KEPT_SIZES:
                 self._sessions.pop(next(iter(self._sessions)))
-            method, options = parse(self._specification)
-            session = method.open(View(self._scene, camera, size), options)
+            session = self._specification.open(View(self._scene, camera, size))
         # The one used last is the last to go.
         self._sessions[size] = session
         return session

@@ -15,6 +15,7 @@ from anamorph.files.view_file import Opened, save_view
 from anamorph.gpu.drawing import wait
 from anamorph.measure.compare import comparison_steps
 from anamorph.measure.page import comparison_page
+from anamorph.methods import Specification
 from anamorph.scene.checks import check_scene
 from anamorph.scene.model import Scene
 from anamorph.viewer.controls import edited, part_edits
@@ -68,12 +69,12 @@ def save_scene(path: str | Path, opened: Opened, state: State, size: tuple[int, 
     """
     check_scene(replace(edited(opened.scene, state.values), camera=state.camera))
     edits = part_edits(opened.scene, state.values)
-    save_view(path, opened, state.camera, size, state.first.method, edits, view_of(state))
+    save_view(path, opened, state.camera, size, str(state.first.method), edits, view_of(state))
     return saved(path)
 
 
 def save_comparison(
-    path: str | Path, scene: Scene, methods: Sequence[str], size: tuple[int, int], command: str = ""
+    path: str | Path, scene: Scene, methods: Sequence[Specification], size: tuple[int, int], command: str = ""
 ) -> Saving:
     """Save a page that compares methods with the truth, as the scene's own camera sees it."""
     path = output.check_output(path, (".html",))

@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from anamorph.methods.specification import Specification
 from anamorph.viewer.facts import Request
 from anamorph.viewer.home import Home, reset_view
 from anamorph.viewer.navigation import orbit, steer, zoom
@@ -87,9 +88,9 @@ def _chord(event: Mapping[str, Any]) -> str:
 
 def _next_method(state: State, home: Home, half: str) -> State:
     shown: Half = getattr(state, half)
-    names, name = home.methods, shown.method.partition(":")[0]
+    names, name = home.methods, shown.method.method.name
     following = names[(names.index(name) + 1) % len(names)] if name in names else names[0]
-    return _with_half(state, half, replace(shown, method=following))
+    return _with_half(state, half, replace(shown, method=Specification.parse(following)))
 
 
 def _set_aspect(state: State, home: Home, half: str, aspect: Aspect) -> State:

@@ -12,6 +12,7 @@ import numpy as np
 
 from anamorph.base.steps import mapped, timed
 from anamorph.frame import Frame
+from anamorph.methods.specification import Specification
 from anamorph.scene.camera import Camera
 from anamorph.scene.model import Scene
 from anamorph.viewer.compose import FalseColorTexture, Shown
@@ -40,7 +41,7 @@ class _Pictured:
     """What the pictures depend on: when it changes, something moves."""
 
     camera: Camera
-    methods: tuple[str, ...]
+    methods: tuple[Specification, ...]
     size: Size
     resolution: float
     samples: int
@@ -60,9 +61,9 @@ class Showing:
 
     Attributes
     ----------
-    frames : mapping of str to Frame
+    frames : mapping of Specification to Frame
         By method, what each pixel sees; at full size where `at_rest`.
-    measured : mapping of str to Measured
+    measured : mapping of Specification to Measured
         By method.
     at_rest : bool
         Whether the pictures are at full size.
@@ -77,7 +78,7 @@ class Showing:
 
     def __init__(self) -> None:
         self._scene: Scene | None = None
-        self._pictures: dict[str, MethodImages] = {}
+        self._pictures: dict[Specification, MethodImages] = {}
         self._pictured: _Pictured | None = None
         self._detailed: _Detailed | None = None
         self._steps: Steps = (True for _ in ())
@@ -91,8 +92,8 @@ class Showing:
         self._false_colors = FalseColorTexture(), FalseColorTexture()
         self._shows_false_color = [False, False]
         self._first = True
-        self.frames: dict[str, Frame] = {}
-        self.measured: dict[str, Measured] = {}
+        self.frames: dict[Specification, Frame] = {}
+        self.measured: dict[Specification, Measured] = {}
         self.at_rest = False
         self.picture: Size = (0, 0)
         self.frame_ms = 0.0
@@ -171,7 +172,7 @@ class Showing:
         """What the time of the first half's last picture went to, milliseconds."""
         return self._of(self._pictured.methods[0]).phases if self._pictured else {}
 
-    def _of(self, method: str) -> MethodImages:
+    def _of(self, method: Specification) -> MethodImages:
         if method not in self._pictures:
             assert self._scene is not None
             used = {TRUTH, *(self._pictured.methods if self._pictured else ())}
@@ -191,7 +192,7 @@ class Showing:
         """A picture of what has moved, as coarse as it must be, and its false-colour images."""
         assert self._pictured is not None and self._detailed is not None
         # Nobody knows how long methods take that have drawn nothing yet: they begin with the coarsest picture.
-        names = tuple(method.partition(":")[0] for method in self._pictured.methods)
+        names = tuple(each.method.name for each in self._pictured.methods)
         fluency = self._of_pictures.get(names, COARSEST)
         resolution = self._pictured.resolution or fluency.resolution
         _, seconds = yield from timed(self._drawing(scaled(self._pictured.size, resolution)))

@@ -13,16 +13,21 @@ from anamorph.viewer.state import State
 def snapshot(facts: Facts, state: State, drawn: Drawn | None, frames: int, at_rest: bool) -> dict[str, Any]:
     """All of it but the scene's arrays, ready for JSON."""
     copied = ("size", "picture", "full", "adapter", "frame_ms", "samples_done", "samples_total", "message")
+    halves = {
+        name: vars(half) | {"method": str(half.method)}
+        for name, half in (("first", state.first), ("second", state.second))
+    }
+    seen = facts.inspection
     return {
         "scene": facts.scene.name,
-        "state": asdict(state) | {"drawings": sorted(state.drawings)},
+        "state": asdict(state) | halves | {"drawings": sorted(state.drawings)},
         "frames": frames,
         "at_rest": at_rest,
         "rectangles": dict(drawn.rectangles) if drawn else {},
         "covered": list(drawn.covered) if drawn else [],
         "phases_ms": dict(facts.phases_ms),
         "figures": [each and asdict(each) for each in facts.figures],
-        "inspection": facts.inspection and asdict(facts.inspection),
+        "inspection": seen and asdict(seen) | {"method": str(seen.method)},
         "progress": facts.progress and asdict(facts.progress),
         **{name: getattr(facts, name) for name in copied},
     }

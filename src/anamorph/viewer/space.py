@@ -13,7 +13,6 @@ from functools import cached_property
 import numpy as np
 
 from anamorph.base.errors import AnamorphError
-from anamorph.methods import parse
 from anamorph.methods.pervertex import MapPlan, Options, Seen, Surroundings, seen_bodies, surroundings_of
 from anamorph.optics.ray_meshes import Body, bodies_of
 from anamorph.projection import Projection
@@ -278,6 +277,6 @@ def _eye_depth(space: Space, camera: Camera) -> float:
 
 def _map_options(state: State) -> Options:
     """Of the maps that the picture shows, or would by per-vertex reflection."""
-    chosen: Sequence[object] = [parse(half.method)[1] for half in state.halves]
+    chosen: Sequence[object] = [half.method.options for half in state.halves]
     options = next((each for each in chosen if isinstance(each, Options)), Options())
     return replace(options, start="vertices")

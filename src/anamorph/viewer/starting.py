@@ -10,7 +10,7 @@ from anamorph.files.scene_file import Settings
 from anamorph.files.source import Source
 from anamorph.files.source_words import source_in
 from anamorph.files.view_file import Opened, open_view
-from anamorph.methods import METHODS, parse
+from anamorph.methods import METHODS, Specification
 from anamorph.scene.camera import Camera
 from anamorph.scene.checks import check_scene
 from anamorph.scene.model import Scene
@@ -41,7 +41,7 @@ class Start:
     message: str = ""
 
 
-def start_of(source: Source | Scene | str | Path, method: str | None = None) -> Start:
+def start_of(source: Source | Scene | str | Path, method: str | Specification | None = None) -> Start:
     """Open a scene, or whatever names one, seen first by `method`; a failure is told in the message.
 
     A text may say more of a CAD file, in the words of the command line: "mirror.step --scene car-mirror --flip".
@@ -49,9 +49,9 @@ def start_of(source: Source | Scene | str | Path, method: str | None = None) -> 
     try:
         opened = _open(source)
         if method is not None:
-            opened = replace(opened, settings=replace(opened.settings, method=method))
+            opened = replace(opened, settings=replace(opened.settings, method=str(Specification.parse(method))))
         state = state_of(opened)
-        drawn, _ = parse(state.first.method)
+        drawn = state.first.method.method
         if opened.scene.refracts and not drawn.refracts:
             able = ", ".join(name for name, each in METHODS.items() if each.refracts)
             raise AnamorphError(f"method {drawn.name}: draws mirrors alone, and the scene has glass; give {able}")
@@ -76,7 +76,7 @@ def carried_over(state: State, start: Start) -> State:
     able = Home(start.state, start.opened.scene).methods
 
     def half(old: Half, new: Half) -> Half:
-        return old if old.method.partition(":")[0] in able else replace(old, method=new.method)
+        return old if old.method.method.name in able else replace(old, method=new.method)
 
     return replace(
         state,

@@ -12,9 +12,10 @@ from enum import StrEnum
 
 import numpy as np
 
+from anamorph.methods.specification import Specification
 from anamorph.scene.camera import Camera
 
-TRUTH = "raytrace"
+TRUTH = Specification.parse("raytrace")
 """The method that errors are measured against, and that the second half shows at first."""
 
 EYE_DISTANCE = 0.065
@@ -48,9 +49,9 @@ class EyeSide(StrEnum):
 
 @dataclass(frozen=True)
 class Half:
-    """What one half of the picture shows: a method, "NAME[:option=value,...]", and an aspect of it."""
+    """What one half of the picture shows: a method with its options, and an aspect of it."""
 
-    method: str
+    method: Specification
     aspect: Aspect = Aspect.PICTURE
 
 

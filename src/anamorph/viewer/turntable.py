@@ -15,7 +15,7 @@ from anamorph.base.output import to_pixels
 from anamorph.base.steps import mapped
 from anamorph.base.video import MOST_FRAMES, check_video, video
 from anamorph.frame import View
-from anamorph.methods import parse
+from anamorph.methods import Specification
 from anamorph.methods.averaging import averaging
 from anamorph.scene.camera import Camera
 from anamorph.scene.model import Scene
@@ -120,7 +120,7 @@ def _check_frames(frames: int) -> None:
 def turntable(
     path: str | Path,
     scene: Scene,
-    method: str,
+    method: Specification,
     cameras: Sequence[Camera],
     size: tuple[int, int],
     samples: int = 1,
@@ -133,8 +133,7 @@ def turntable(
     path : str or Path
         Ends in .webm or .webp; without a suffix, a folder for numbered PNG pictures.
     scene : Scene
-    method : str
-        "NAME[:option=value,...]".
+    method : Specification
     cameras : sequence of Camera
         One for each frame: `orbit`'s or `between`'s.
     size : (width, height)
@@ -146,10 +145,9 @@ def turntable(
     """
     path = Path(path)
     check_video(path, size)
-    chosen, options = parse(method)
     total = len(cameras) * samples**2
-    yield Progress(f"opening {chosen.name}", 0, total)
-    session = chosen.open(View(scene, cameras[0], size), options)
+    yield Progress(f"opening {method.method.name}", 0, total)
+    session = method.open(View(scene, cameras[0], size))
     with video(path, size, rate) as add:
         for number, camera in enumerate(cameras):
             as_progress = partial(_progress, f"frame {number + 1} of {len(cameras)}", number * samples**2, total)

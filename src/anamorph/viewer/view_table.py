@@ -13,7 +13,7 @@ from anamorph.editing.edit import Edit
 from anamorph.files.scene_file import camera_of
 from anamorph.files.tables import Table
 from anamorph.files.view_file import Opened, eye_values
-from anamorph.methods import parse
+from anamorph.methods import Specification
 from anamorph.methods.averaging import MAXIMUM_SAMPLES
 from anamorph.scene.camera import Camera
 from anamorph.scene.checks import check_camera
@@ -29,7 +29,7 @@ def view_of(state: State) -> dict[str, Any]:
     """What a [view] table keeps: the state but eye, method and values, which the scene file has elsewhere."""
     view: dict[str, Any] = {
         "aspect": state.first.aspect.value,
-        "second": state.second.method,
+        "second": str(state.second.method),
         "second_aspect": state.second.aspect.value,
         "split": state.split,
         "divider": float(state.divider),
@@ -58,8 +58,7 @@ def state_of(opened: Opened) -> State:
     AnamorphError
         With file, line and key, where the table holds something else than `view_of` writes.
     """
-    first = Half(opened.settings.method)
-    parse(first.method)
+    first = Half(Specification.parse(opened.settings.method))
     table = opened.settings.view
     plain = State(opened.camera, first, Half(TRUTH), values=values_of(opened.edits))
     if table is None:
@@ -113,13 +112,11 @@ def _millimetres(metres: float) -> float:
     return next((value for value in near if 1e-3 * value == metres), product)
 
 
-def _method(table: Table) -> str:
-    method = table.text("second", TRUTH)
+def _method(table: Table) -> Specification:
     try:
-        parse(method)
+        return Specification.parse(table.text("second", str(TRUTH)))
     except AnamorphError as error:
         table.wrong("second", str(error))
-    return method
 
 
 def _observer(table: Table) -> Camera | None:

@@ -90,7 +90,7 @@ def drawn_maps(atlas, buffers, kind):
     texels = read_texture(atlas.color if kind == MapKind.COLOR else atlas.depth)
     return [
         texels[y : y + view.size[1], x : x + view.size[0]]
-        for view, (x, y) in zip(atlas.views, atlas._corners, strict=True)
+        for view, (x, y) in zip(atlas.views, atlas.corners, strict=True)
     ]
 
 
@@ -129,7 +129,7 @@ def test_shaders_get_each_maps_corner(buffers):
     atlas = Atlas()
     views = views_of([(90, 60), (50, 100), (64, 64)], count)
     atlas.place(views)
-    for words, view, corner in zip(atlas.projections, views, atlas._corners, strict=True):
+    for words, view, corner in zip(atlas.projections, views, atlas.corners, strict=True):
         assert words[-4:].tolist() == [*view.size, *corner]
         assert words.tolist() == view.projection.uniform(view.size, corner).tolist()
 

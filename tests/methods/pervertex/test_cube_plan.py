@@ -252,7 +252,8 @@ def test_rays_that_do_not_spread_from_a_point_behind_the_body_are_divided():
 def test_a_wide_body_has_one_draw_and_a_map_for_each_face_that_it_needs():
     session = open_view(WIDE, "pervertex:wide=cube")
     session.draw(WIDE.camera)
-    (draw,), (level,) = session._drawing._picture.draws, session._drawing._levels
+    held = session.diagnostics()
+    (draw,), (level,) = held["picture"].draws, held["levels"]
     assert draw.cube and draw.sides == 1
     assert len(level.views) == len(PLANS["ball"][2].cube)
     assert all(view.sky for view in level.views)
@@ -272,7 +273,7 @@ def test_wide_and_narrow_bodies_share_a_picture():
         scene_with(spherical_mirror(), mirror_ball("ball", (0.0, 0.7, -0.4), 0.15, 12, 16)), "pervertex:wide=cube"
     )
     session.draw(WIDE.camera)
-    assert {draw.cube for draw in session._drawing._picture.draws} == {False, True}
+    assert {draw.cube for draw in session.diagnostics()["picture"].draws} == {False, True}
 
 
 def test_a_cube_map_shows_mirrors_in_mirrors():

@@ -30,7 +30,7 @@ from anamorph.gallery.shapes import box, globe, join, lattice
 from anamorph.gpu.device import get_device
 from anamorph.measure.errors import measure, silhouettes
 from anamorph.methods.pervertex import Options, pervertex
-from anamorph.methods.session import Stage
+from anamorph.methods.stage import Stage
 from anamorph.projection import UNIFORM_BYTES
 from anamorph.scene.camera import Camera
 from anamorph.scene.model import Diffuse, Mesh, Mirror, Scene
@@ -57,18 +57,19 @@ def test_the_device_gets_the_plans_lookups_and_projection_in_single_precision(mo
     queue = get_device().queue
     monkeypatch.setattr(queue, "write_buffer", lambda buffer, offset, data: written.update({buffer: data.copy()}))
     drawing.prepare(get_device().create_command_encoder(), CAMERA, (0.0, 0.0))
-    level = drawing._levels[0]
+    held = drawing.diagnostics()
+    (level,) = held["levels"]
     body_rays, plan = plan_of(CURVED)
-    (draw,) = drawing._picture.draws
-    triangles, data = (written[buffer] for buffer in level._buffers)
+    (draw,) = held["picture"].draws
+    triangles, data = (written[buffer] for buffer in level.buffers)
     triangles = triangles.reshape(-1, 4)[draw.first : draw.first + draw.count]
     # Mesh 0 has the scene's first triangles, so that the number in the scene is that in the mirror.
     corners = data.reshape(-1, 4)[triangles[:, 2:3] + np.arange(3)]
     assert sorted(triangles[:, 0]) == list(range(len(body_rays.rays.faces)))
     assert plan.vertices.tolist() == list(range(len(body_rays.rays.origins)))
     assert corners.tolist() == plan.lookups[0, body_rays.rays.faces[triangles[:, 0]]].astype(np.float32).tolist()
-    (view,), (corner,) = level.views, level.atlas._corners
-    (maps,) = written[level._maps]
+    (view,), (corner,) = level.views, level.atlas.corners
+    (maps,) = written[level.maps]
     assert maps[: UNIFORM_BYTES // 4].tolist() == plan.projections[0].uniform(view.size, corner).tolist()
     assert draw.sides == 1
     assert view.size == tuple(int(texels) for texels in plan.texels[0])
@@ -341,7 +342,7 @@ def test_resolution_scales_the_map():
         stage = Stage(View(CURVED, CAMERA, SIZE))
         drawing = pervertex.PerVertexDrawing(stage, Options(resolution=resolution))
         drawing.prepare(get_device().create_command_encoder(), CAMERA, (0.0, 0.0))
-        widths.append(drawing._levels[0].views[0].size[0])
+        widths.append(drawing.diagnostics()["levels"][0].views[0].size[0])
     assert widths == pytest.approx([widths[1] / 2, widths[1], widths[1] * 2], abs=1)
 
 

@@ -17,7 +17,7 @@ from anamorph.measure.errors import measure, silhouettes
 from anamorph.methods.pervertex import Options
 from anamorph.methods.pervertex.inconsistency import inconsistent_vertices
 from anamorph.methods.pervertex.pervertex import PerVertexDrawing
-from anamorph.methods.session import Stage
+from anamorph.methods.stage import Stage
 from anamorph.scene.camera import Camera
 from anamorph.scene.model import Diffuse, Scene
 

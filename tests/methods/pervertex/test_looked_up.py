@@ -29,7 +29,7 @@ def opened(name, specification):
 
 def drawn_texels(session):
     """How many texels of the maps of the first bounce have any colour."""
-    return np.count_nonzero(read_texture(session._drawing._levels[0].atlas.color)[..., 3])
+    return np.count_nonzero(read_texture(session.diagnostics()["levels"][0].atlas.color)[..., 3])
 
 
 @pytest.mark.parametrize("name", ["car-mirror", "magnifier", "curvature-series", "spheres"])

@@ -10,7 +10,7 @@ from anamorph import gallery
 from anamorph.frame import View
 from anamorph.methods.pervertex import Options
 from anamorph.methods.pervertex.pervertex import PerVertexDrawing
-from anamorph.methods.session import Stage
+from anamorph.methods.stage import Stage
 from anamorph.scene.camera import Camera
 
 

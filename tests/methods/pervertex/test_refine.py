@@ -132,7 +132,7 @@ def test_the_error_that_a_fragment_knows_is_the_measured_one(truth, monkeypatch)
     monkeypatch.setattr(pervertex, "refined_scene", lambda scene, size, share: scene)
     session = open_view(CURVED, "pervertex:tolerance=0.001")
     session.draw(CURVED.camera)
-    known = read_texture(session._drawing._errors)
+    known = read_texture(session.diagnostics()["errors"])
     maps = measure(truth, drawn(CURVED, "pervertex")).maps
     counted = maps.specular & ~maps.silhouette & (known < 1e3)
     assert counted.sum() > 0.8 * maps.specular.sum()

@@ -14,6 +14,7 @@ from anamorph.base.errors import AnamorphError
 from anamorph.frame import Status, View
 from anamorph.gallery.shapes import box
 from anamorph.measure.errors import silhouettes
+from anamorph.methods import Specification
 from anamorph.methods.tracing import tiles
 from anamorph.methods.tracing.paths import specular_rectangle
 from anamorph.rendering import draw_frame
@@ -107,7 +108,7 @@ def test_supersampling_averages_shifted_frames():
             shifted.append(session.frame().color)
     expected = np.mean(shifted, axis=0)
     view = View(CURVED, CAMERA, SIZE, 2)
-    frame = draw_frame(view, "raytrace", seen=True)
+    frame = draw_frame(view, Specification.parse("raytrace"), seen=True)
     assert frame.color == pytest.approx(expected, abs=1e-6)
     assert (frame.position == drawn(CURVED, "raytrace").position).all()
     assert np.abs(shifted[0] - shifted[3]).max() > 0.1
@@ -133,7 +134,7 @@ def test_several_bands_give_the_same_frame(traced, monkeypatch, rows):
     session.draw(replace(CAMERA, position=(0.0, 0.6, 2.5)))
     session.draw(CAMERA)
     frame = session.frame(seen=True)
-    assert len(session._drawing._bands) > 3
+    assert len(session.diagnostics()["bands"]) > 3
     for name in ("position", "object_id", "specular", "status", "ray_origin", "ray_direction"):
         assert (getattr(frame, name) == getattr(traced, name)).all()
     # The texture filter looks to the rows beside, and none of another band.

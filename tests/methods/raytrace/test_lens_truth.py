@@ -9,6 +9,7 @@ import pytest
 
 import anamorph as an
 from anamorph import gallery
+from anamorph.base.steps import drain
 from anamorph.frame import Status
 from anamorph.measure.errors import measure
 from anamorph.methods.tracing import paths
@@ -46,7 +47,7 @@ def test_the_ray_is_the_ray_meshs_between_vertices():
     scene = replace(scene, meshes=tuple(meshes))
     geometry, eye = flatten(scene), scene.camera.eye(SIZE)
     lens = scene_glass(scene).lenses[0]
-    records = PathTracer(scene, geometry, Caster(geometry), truth="raymesh").trace(scene.camera, SIZE)
+    records = drain(PathTracer(scene, geometry, Caster(geometry), truth="raymesh").tracing(scene.camera, SIZE))
     words = records.view(np.uint32)
     status, bounces = (words[:, 7] >> 16) & 0xFF, words[:, 7] >> 24
     through = (
@@ -102,5 +103,5 @@ def test_light_that_cannot_leave_by_the_far_face_goes_on_as_at_the_surfaces(monk
         return rays._replace(leaves=np.zeros_like(rays.leaves))
 
     monkeypatch.setattr(paths, "vertex_rays", no_ray_leaves)
-    expected, found = (tracer.trace(scene.camera, SIZE).view(np.uint32) for tracer in (truth, mesh))
+    expected, found = (drain(tracer.tracing(scene.camera, SIZE)).view(np.uint32) for tracer in (truth, mesh))
     assert (found == expected).all()

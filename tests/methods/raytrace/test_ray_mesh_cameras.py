@@ -13,9 +13,10 @@ from scenes import CAMERA, flat_mirror, open_view, scene_with, spherical_mirror,
 import anamorph as an
 from anamorph import gallery
 from anamorph.base.errors import AnamorphError
+from anamorph.base.steps import drain
 from anamorph.frame import Status, View
 from anamorph.measure.errors import counted, measure
-from anamorph.methods import METHODS, parse
+from anamorph.methods import METHODS, Specification
 from anamorph.methods.raytrace.pixel_rays import pixel_rays
 from anamorph.methods.tracing.paths import PathTracer
 from anamorph.optics.reflection import reflected_rays, reflector
@@ -224,8 +225,7 @@ def test_no_pixel_inside_is_left_out(drawn):
 
 def test_samples_average_shifted_rays():
     mesh = as_ray_mesh(CAMERA, SIZE)
-    method, options = parse("raytrace")
-    session = method.open(View(MATT, mesh, SIZE), options)
+    session = Specification.parse("raytrace").open(View(MATT, mesh, SIZE))
     colors = []
     for shift in [(-0.25, -0.25), (0.25, -0.25), (-0.25, 0.25), (0.25, 0.25)]:
         session.draw(mesh, shift)
@@ -241,8 +241,7 @@ def test_samples_average_shifted_rays():
 def test_a_session_follows_meshes_and_a_deforming_scene():
     mesh, other = as_ray_mesh(CAMERA, SIZE), as_ray_mesh(replace(CAMERA, position=(0.1, 0.8, 0.7)), SIZE)
     scene = scene_with(spherical_mirror())
-    method, options = parse("raytrace")
-    session = method.open(View(scene, mesh, SIZE), options)
+    session = Specification.parse("raytrace").open(View(scene, mesh, SIZE))
     session.draw(mesh)
     first = session.frame(seen=True)
     session.draw(other)
@@ -303,8 +302,8 @@ def test_given_rays_are_traced_like_the_eyes():
     x, y = np.meshgrid(np.arange(80) + 0.5, np.arange(60) + 0.5)
     looks = CAMERA.directions(np.stack([x.ravel(), y.ravel()], axis=-1), SIZE)
     looks[7] = 0.0
-    records = tracer.trace_rays(np.tile(CAMERA.position, (4800, 1)), 3.0 * looks)
-    expected = tracer.trace(CAMERA, SIZE)
+    records = drain(tracer.tracing_rays(np.tile(CAMERA.position, (4800, 1)), 3.0 * looks))
+    expected = drain(tracer.tracing(CAMERA, SIZE))
     rest = np.arange(4800) != 7
     assert (records.view(np.uint32)[rest][:, [3, 7]] == expected.view(np.uint32)[rest][:, [3, 7]]).mean() > 0.999
     words = records[7].view(np.uint32)

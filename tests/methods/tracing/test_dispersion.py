@@ -11,6 +11,7 @@ from small_device import SmallDevice
 
 from anamorph import gallery
 from anamorph.base.errors import AnamorphError
+from anamorph.base.steps import drain
 from anamorph.frame import Status, View
 from anamorph.gallery.shapes import box
 from anamorph.gpu.device import get_device
@@ -18,7 +19,8 @@ from anamorph.gpu.drawing import bind_scene, submit
 from anamorph.gpu.targets import COLOR_FORMAT, begin_pass, make_target, read_texture
 from anamorph.lenses.making import make_lens
 from anamorph.lenses.prescription import Prescription
-from anamorph.methods.session import Stage
+from anamorph.methods import Specification
+from anamorph.methods.stage import Stage
 from anamorph.methods.tracing import tiles
 from anamorph.methods.tracing.paths import PathTracer, specular_rectangle
 from anamorph.optics.dispersion import line_indices
@@ -97,7 +99,7 @@ def test_in_the_picture_red_and_blue_are_apart_by_prism_over_abbe_number(name):
     """Prentice: at height c a lens is a prism of power c F; its deviation differs by (c F + p) / V from C to F line."""
     prescription, edge = LENSES[name]
     scene, size = before_a_wall(prescription, edge), (48, 240)
-    frame = draw_frame(View(scene, scene.camera, size, 4), "raytrace")
+    frame = draw_frame(View(scene, scene.camera, size, 4), Specification.parse("raytrace"))
     red, green, blue = edge_heights(frame)
     pixels = size[1] / (2.0 * np.tan(np.radians(scene.camera.field_of_view) / 2.0))
     # A plus lens lowers the look above its middle; a prism raises it toward its base, and sees the edge lower.
@@ -107,7 +109,9 @@ def test_in_the_picture_red_and_blue_are_apart_by_prism_over_abbe_number(name):
     assert abs(expected) > 1.5 and abs(green) < 0.4 * size[1]
     assert blue - red == pytest.approx(expected, rel=0.03)
     assert min(red, blue) < green < max(red, blue)
-    same = edge_heights(draw_frame(View(scene, scene.camera, size, 4), "raytrace:dispersion=false"))
+    same = edge_heights(
+        draw_frame(View(scene, scene.camera, size, 4), Specification.parse("raytrace:dispersion=false"))
+    )
     assert same == pytest.approx(green, abs=1e-3)
 
 
@@ -116,8 +120,8 @@ def test_last_rays_of_red_and_blue_are_apart_by_prism_over_abbe_number(name):
     prescription, edge = LENSES[name]
     scene = before_a_wall(prescription, edge)
     tracer, corners = tracer_of(scene), np.array([[0, 0]])
-    records = tracer.trace(scene.camera, SMALL)
-    red, blue = tracer.trace_colors(scene.camera, SMALL, corners, SMALL, (0.0, 0.0), records).astype(float)
+    records = drain(tracer.tracing(scene.camera, SMALL))
+    red, blue = drain(tracer.tracing_colors(scene.camera, SMALL, corners, SMALL, (0.0, 0.0), records)).astype(float)
     words = records.view(np.uint32)
     through = (words[words[:, 14] > 0][:, 7] >> 24) == 2
     assert through.sum() > 2000
@@ -170,9 +174,9 @@ def test_what_disperses_is_known_from_every_glass_on_the_way():
 def test_where_nothing_disperses_nothing_is_traced_again(glass):
     scene = glass_changed(lens_in_a_mirror(), index=glass.index, abbe=glass.abbe)
     tracer = tracer_of(scene)
-    records = tracer.trace(scene.camera, SIZE)
+    records = drain(tracer.tracing(scene.camera, SIZE))
     assert not tracer.disperses and not records.view(np.uint32)[:, 14].any()
-    colors = tracer.trace_colors(scene.camera, SIZE, np.array([[0, 0]]), SIZE, (0.0, 0.0), records)
+    colors = drain(tracer.tracing_colors(scene.camera, SIZE, np.array([[0, 0]]), SIZE, (0.0, 0.0), records))
     assert colors.shape == (2, 0, 16)
     frame, plain = drawn(scene, "raytrace"), drawn(scene, "raytrace:dispersion=false")
     assert (frame.color == plain.color).all()
@@ -181,16 +185,16 @@ def test_where_nothing_disperses_nothing_is_traced_again(glass):
 def test_tiles_have_the_colours_of_the_whole_picture():
     scene, shift = lens_in_a_mirror(), (0.25, -0.125)
     tracer = tracer_of(scene)
-    whole = tracer.trace(scene.camera, SIZE, shift=shift)
+    whole = drain(tracer.tracing(scene.camera, SIZE, shift=shift))
     met = whole.view(np.uint32)[:, 14].reshape(SIZE[::-1]).astype(bool)
-    one = tracer.trace_colors(scene.camera, SIZE, np.array([[0, 0]]), SIZE, shift, whole)
+    one = drain(tracer.tracing_colors(scene.camera, SIZE, np.array([[0, 0]]), SIZE, shift, whole))
     numbers = whole.view(np.uint32)[:, 14].reshape(SIZE[::-1])
     assert (numbers[met] == np.arange(1, met.sum() + 1)).all() and not numbers[~met].any()
     assert 200 < met.sum() < 0.9 * met.size and one.shape == (2, met.sum(), 16)
     corners = np.array([[x, y] for y in range(116, -1, -4) for x in range(0, 160, 8)])
-    records = tracer.trace_tiles(scene.camera, SIZE, corners, (8, 4), shift)
+    records = drain(tracer.tracing_tiles(scene.camera, SIZE, corners, (8, 4), shift))
     assert set(records.view(np.uint32)[:, 14]) == {0, 1}
-    colors = tracer.trace_colors(scene.camera, SIZE, corners, (8, 4), shift, records)
+    colors = drain(tracer.tracing_colors(scene.camera, SIZE, corners, (8, 4), shift, records))
     own = records.view(np.uint32)[:, 14].reshape(-1, 4, 8)
     for (x, y), tile in zip(corners, own, strict=True):
         for row, column in np.argwhere(tile):
@@ -201,8 +205,8 @@ def test_tiles_have_the_colours_of_the_whole_picture():
 def test_no_tiles_have_no_colours():
     scene = lens_in_a_mirror()
     tracer, none = tracer_of(scene), np.zeros((0, 2), int)
-    records = tracer.trace_tiles(scene.camera, SIZE, none, (4, 4))
-    assert tracer.trace_colors(scene.camera, SIZE, none, (4, 4), (0.0, 0.0), records).shape == (2, 0, 16)
+    records = drain(tracer.tracing_tiles(scene.camera, SIZE, none, (4, 4)))
+    assert drain(tracer.tracing_colors(scene.camera, SIZE, none, (4, 4), (0.0, 0.0), records)).shape == (2, 0, 16)
 
 
 def test_several_bands_give_the_same_frame(monkeypatch):
@@ -238,8 +242,8 @@ def test_tiles_written_without_colours_show_greens_way_in_all_of_them():
     stage, corner = Stage(View(scene, scene.camera, SIZE)), np.array([[0, 0]])
     stage.projection.write(camera_projection(scene.camera, SIZE), SIZE)
     tracer = PathTracer(scene, stage.geometry, Caster(stage.geometry))
-    records = tracer.trace(scene.camera, SIZE)
-    colors = tracer.trace_colors(scene.camera, SIZE, corner, SIZE, (0.0, 0.0), records)
+    records = drain(tracer.tracing(scene.camera, SIZE))
+    colors = drain(tracer.tracing_colors(scene.camera, SIZE, corner, SIZE, (0.0, 0.0), records))
     written = tiles.Tiles(stage.buffers)
     pictures = []
     for given in (None, colors, None):
@@ -259,8 +263,8 @@ def test_where_one_colour_is_totally_reflected_and_another_is_not():
     """At the end of a glass block the critical angle of blue is the smaller: a blue-less band, with finite colours."""
     scene = lens_in_a_mirror()
     tracer = tracer_of(scene)
-    records = tracer.trace(scene.camera, SIZE)
-    red, blue = tracer.trace_colors(scene.camera, SIZE, np.array([[0, 0]]), SIZE, (0.0, 0.0), records)
+    records = drain(tracer.tracing(scene.camera, SIZE))
+    red, blue = drain(tracer.tracing_colors(scene.camera, SIZE, np.array([[0, 0]]), SIZE, (0.0, 0.0), records))
     status = [(colors.view(np.uint32)[:, 7] >> 16) & 0xFF for colors in (red, blue)]
     total = [each == Status.TOTAL_REFLECTION for each in status]
     assert (total[1] & ~total[0]).any()

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from anamorph.base.errors import AnamorphError
+from anamorph.base.steps import drain
 from anamorph.frame import Status
 from anamorph.methods.tracing.paths import PathTracer, specular_rectangle
 from anamorph.optics.laws import fresnel, reflect, schlick
@@ -119,7 +120,7 @@ def trace(meshes, camera, size=SIZE, rectangle=None, shift=(0.0, 0.0), **options
     scene = Scene("test", tuple(meshes), camera)
     geometry = flatten(scene)
     tracer = PathTracer(scene, geometry, Caster(geometry), **options)
-    return Traced(tracer.trace(camera, size, rectangle, shift), geometry)
+    return Traced(drain(tracer.tracing(camera, size, rectangle, shift)), geometry)
 
 
 def pixel_rays(camera, size=SIZE):
@@ -444,12 +445,12 @@ def test_records_are_filled_again():
     scene = Scene("test", (box(),), camera)
     geometry = flatten(scene)
     tracer = PathTracer(scene, geometry, Caster(geometry))
-    first = tracer.trace(camera, SIZE)
+    first = drain(tracer.tracing(camera, SIZE))
     kept = first.copy()
     first[:] = 7.0
-    assert tracer.trace(camera, SIZE, records=first) is first and np.array_equal(first, kept)
-    assert tracer.trace(camera, (9, 9), records=first).shape == (81, 16)
-    assert tracer.trace(camera, SIZE, (5, 5, 5, 9)).shape == (0, 16)
+    assert drain(tracer.tracing(camera, SIZE, records=first)) is first and np.array_equal(first, kept)
+    assert drain(tracer.tracing(camera, (9, 9), records=first)).shape == (81, 16)
+    assert drain(tracer.tracing(camera, SIZE, (5, 5, 5, 9))).shape == (0, 16)
 
 
 def test_rectangle_holds_every_pixel_that_looks_at_a_mirror():

@@ -12,7 +12,7 @@ from anamorph import cameras
 from anamorph.frame import View
 from anamorph.gallery import make
 from anamorph.measure.errors import silhouettes
-from anamorph.methods import parse
+from anamorph.methods import Specification
 from anamorph.raymesh import RayMesh
 from anamorph.rendering import accumulate
 from anamorph.scene.camera import Camera
@@ -38,17 +38,15 @@ def flat_scene(seed: int = 3, count: int = 25) -> Scene:
 
 
 def color(scene: Scene, camera: Camera | RayMesh, method: str, shift=(0.0, 0.0), size=SIZE) -> np.ndarray:
-    chosen, options = parse(method)
-    session = chosen.open(View(scene, camera, size), options)
+    session = Specification.parse(method).open(View(scene, camera, size))
     session.draw(camera, shift)
     return session.frame().color
 
 
 def four(scene: Scene, camera: Camera | RayMesh, method: str, size=SIZE) -> np.ndarray:
     """The mean of four shifted pictures."""
-    chosen, options = parse(method)
     view = View(scene, camera, size, samples=2)
-    return accumulate(view, chosen.open(view, options)).color
+    return accumulate(view, Specification.parse(method).open(view)).color
 
 
 RAYS = {
@@ -86,9 +84,8 @@ def test_a_shifted_picture_is_smooth_up_to_its_rim(shift):
 
 def test_the_average_of_smooth_pictures_comes_close_to_that_of_many():
     scene, camera = flat_scene(), RAYS["6.4"](SIZE)
-    chosen, options = parse("raytrace")
     view = View(scene, camera, SIZE, samples=6)
-    truth = accumulate(view, chosen.open(view, options)).color
+    truth = accumulate(view, Specification.parse("raytrace").open(view)).color
     errors = [np.abs(color(scene, camera, "trilinear:antialias=4") - truth).mean()]
     errors.append(np.abs(four(scene, camera, "trilinear:antialias=4") - truth).mean())
     assert errors[1] < 1.3 * errors[0] < 0.6 * np.abs(color(scene, camera, "trilinear") - truth).mean()

@@ -8,7 +8,8 @@ from hypothesis import Phase, example, given, settings
 from hypothesis import strategies as st
 
 from anamorph.base.errors import AnamorphError
-from anamorph.methods.trilinear.beams import make_beams
+from anamorph.base.steps import drain
+from anamorph.methods.trilinear.beams import making_beams
 from anamorph.methods.trilinear.box_tree import make_tree
 from anamorph.methods.trilinear.following import following_rays
 from anamorph.methods.trilinear.pairs import ALL, Own
@@ -24,7 +25,7 @@ def plan_of(beams, corners):
     tree, count = make_tree(corners), len(beams.number)
     group = np.zeros(len(corners), np.int32)
     own = Own(np.full(count, -1, np.int32), np.ones(count, np.int32), np.full(count, ALL, np.int32))
-    return Planner().plan(beams, tree, group, own)
+    return drain(Planner().planning(beams, tree, group, own))
 
 
 def fronts(plan):
@@ -66,7 +67,7 @@ def within(plan, row, center, random, count=8):
 def errors(beams, plan, chosen, corners, normals, random):
     """Of the following rays' origins and directions, at places where the mirror is seen."""
     found = following_rays(beams, plan, chosen, corners, normals)
-    after = make_beams(found.picture, found.origins, found.directions, SIZE, domain=found.domain)
+    after = drain(making_beams(found.picture, found.origins, found.directions, SIZE, domain=found.domain))
     origins, directions = [np.zeros(0)], [np.zeros(0)]
     for j, i in enumerate(after.number):
         k, face, _ = plan.pair[chosen[i]]
@@ -103,7 +104,7 @@ def window(count=2, bend=0.0):
     directions[:, 0] += bend * places[:, 0] ** 2
     directions[:, 1] += bend * places[:, 0] * places[:, 1]
     picture = np.column_stack([200.0 + 200.0 * places[:, 0], 200.0 - 200.0 * places[:, 1], np.ones(len(places))])
-    return make_beams(picture[faces], origins[faces], directions[faces], SIZE)
+    return drain(making_beams(picture[faces], origins[faces], directions[faces], SIZE))
 
 
 def ball(count, center=(0.3, 0.1, -5.0), radius=2.0):
@@ -134,7 +135,7 @@ def test_and_so_is_a_third_flat_mirror():
     plan = plan_of(beams, FLOOR)
     chosen = fronts(plan)
     second = following_rays(beams, plan, chosen, FLOOR, flat(FLOOR))
-    after = make_beams(second.picture, second.origins, second.directions, SIZE, domain=second.domain)
+    after = drain(making_beams(second.picture, second.origins, second.directions, SIZE, domain=second.domain))
     further = plan_of(after, ceiling)
     origins, directions = errors(after, further, fronts(further), ceiling, flat(ceiling), np.random.default_rng(2))
     assert len(origins) > 50
@@ -192,7 +193,7 @@ def case(kind, seed):
         normals[:, 1], normals[:, 2] = -normals[:, 0], normals[:, 0]
     elif kind != "flat":
         normals = units(normals + 0.1 * random.normal(size=normals.shape))
-    return make_beams(picture[None], origins[None], directions[None], SIZE), corners, normals
+    return drain(making_beams(picture[None], origins[None], directions[None], SIZE)), corners, normals
 
 
 @QUICK
@@ -285,14 +286,16 @@ def test_a_pair_whose_rays_miss_the_plane_is_not_followed():
     found = following_rays(beams, wrong, np.arange(len(plan.pair)), corners, normals)
     assert len(plan.pair)
     assert np.isfinite(found.directions).all()
-    assert len(make_beams(found.picture, found.origins, found.directions, SIZE, domain=found.domain).number) == 0
+    assert (
+        len(drain(making_beams(found.picture, found.origins, found.directions, SIZE, domain=found.domain)).number) == 0
+    )
 
 
 def test_nothing_follows_from_nothing():
     beams, corners, normals = case("any", 1)
     found = following_rays(beams, plan_of(beams, corners), np.zeros(0, int), corners, normals)
     assert found.domain.shape == (0, 4, 2)
-    after = make_beams(found.picture, found.origins, found.directions, SIZE, domain=found.domain)
+    after = drain(making_beams(found.picture, found.origins, found.directions, SIZE, domain=found.domain))
     assert after.domain.shape[0] == 0
 
 
@@ -312,7 +315,7 @@ def random_domain(seed):
 @given(st.integers(0, 2**32 - 1))
 def test_a_given_part_of_the_picture_is_seen_whole(seed):
     picture, origins, directions, domain, random = random_domain(seed)
-    beams = make_beams(picture, origins, directions, SIZE, domain=domain)
+    beams = drain(making_beams(picture, origins, directions, SIZE, domain=domain))
     if not len(beams.number):
         return
     places = random.uniform(domain[0].min(axis=0), domain[0].max(axis=0), (150, 2))
@@ -345,8 +348,8 @@ def test_over_its_own_corners_a_given_part_changes_nothing(kind):
     picture, origins, directions, _, _ = random_domain(KINDS.index(kind) + 5)
     own = picture[..., :2] / picture[..., 2:]
     plain, given = (
-        make_beams(picture, origins, directions, SIZE),
-        make_beams(picture, origins, directions, SIZE, domain=own),
+        drain(making_beams(picture, origins, directions, SIZE)),
+        drain(making_beams(picture, origins, directions, SIZE, domain=own)),
     )
     for one, other in zip(rays_of(plain, 0, own[0])[:2], rays_of(given, 0, own[0])[:2], strict=True):
         assert np.allclose(one, other, rtol=1e-9, atol=1e-9)
@@ -357,14 +360,14 @@ def test_a_given_part_ends_where_the_scale_does():
     place = np.array([[100.0, 100.0], [200.0, 100.0], [100.0, 200.0]])
     picture = np.column_stack([place, np.ones(3)]) * np.array([[1.0], [4.0], [1.0]])
     domain = np.array([[0.0, 0.0], [400.0, 0.0], [400.0, 400.0], [0.0, 400.0]])
-    beams = make_beams(picture[None], np.eye(3)[None], np.eye(3)[None] - 2.0, SIZE, domain=domain[None])
+    beams = drain(making_beams(picture[None], np.eye(3)[None], np.eye(3)[None] - 2.0, SIZE, domain=domain[None]))
     used = beams.domain[0, : beams.corners[0]]
     scale = rays_of(beams, 0, used + beams.center[0])[2]
     assert (scale > 0.0).all()
     # s falls by 3 / 400 a pixel from 1 at 100: it is 0 at 233.3.
     assert 232.0 < (used + beams.center[0])[:, 0].max() < 233.33
-    flat_part = make_beams(
-        picture[None], np.eye(3)[None], np.eye(3)[None] - 2.0, SIZE, domain=domain[None] * [1.0, 0.0]
+    flat_part = drain(
+        making_beams(picture[None], np.eye(3)[None], np.eye(3)[None] - 2.0, SIZE, domain=domain[None] * [1.0, 0.0])
     )
     assert len(flat_part.number) == 0
 
@@ -372,6 +375,8 @@ def test_a_given_part_ends_where_the_scale_does():
 def test_given_parts_want_rays_too():
     picture, origins, directions, _, _ = random_domain(5)
     with pytest.raises(AnamorphError, match="directions are 0"):
-        make_beams(
-            picture, origins, 0.0 * directions, SIZE, domain=np.array([[[0, 0], [400, 0], [400, 400], [0, 400]]])
+        drain(
+            making_beams(
+                picture, origins, 0.0 * directions, SIZE, domain=np.array([[[0, 0], [400, 0], [400, 400], [0, 400]]])
+            )
         )

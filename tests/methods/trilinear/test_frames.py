@@ -19,7 +19,7 @@ from anamorph.gallery.cube import CAMERA, cube_scene
 from anamorph.gallery.cube_mirrors import cube_in_sphere
 from anamorph.gallery.flat_mirror import plane_mirror
 from anamorph.measure.errors import measure, silhouettes
-from anamorph.methods import parse
+from anamorph.methods import Specification
 from anamorph.raymesh import RayMesh
 from anamorph.scene.camera import Camera
 from anamorph.scene.model import Diffuse, Mesh, Mirror, Scene, Sky
@@ -63,8 +63,7 @@ MIRRORS = {
 
 
 def shown(scene: Scene, camera: Camera | RayMesh, specification: str, size: tuple[int, int], shift=(0.0, 0.0)) -> Frame:
-    method, options = parse(specification)
-    session = method.open(View(scene, camera, size), options)
+    session = Specification.parse(specification).open(View(scene, camera, size))
     session.draw(camera, shift)
     return session.frame(seen=True)
 
@@ -257,8 +256,7 @@ def test_a_closed_surface_has_no_hole_and_no_overlap(radius, weighted):
     assert len(camera.faces) == 200
     truth = shown(scene, camera, "raytrace", PICTURE)
     assert (truth.object_id > 0).all() and len(np.unique(truth.object_id)) >= 4
-    method, options = parse("trilinear")
-    session = method.open(View(scene, camera, PICTURE), options)
+    session = Specification.parse("trilinear").open(View(scene, camera, PICTURE))
     for shift in ((0.0, 0.0), *random.uniform(-0.5, 0.5, (3, 2))):
         session.draw(camera, tuple(shift))
         frame = session.frame(seen=True)

@@ -16,7 +16,7 @@ from anamorph.frame import Frame, Status, View
 from anamorph.gallery import make
 from anamorph.gallery.flat_mirror import plane_mirror
 from anamorph.measure.errors import Errors, measure, silhouettes
-from anamorph.methods import parse
+from anamorph.methods import Specification
 from anamorph.raymesh import RayMesh
 from anamorph.scene.camera import Camera
 from anamorph.scene.model import Mirror, Scene
@@ -45,8 +45,7 @@ def errors_of(truth: Frame, frame: Frame) -> Errors:
 
 
 def through(scene: Scene, camera: RayMesh, specification: str, size: tuple[int, int] = SMALL) -> Frame:
-    method, options = parse(specification)
-    session = method.open(View(scene, camera, size), options)
+    session = Specification.parse(specification).open(View(scene, camera, size))
     session.draw(camera)
     return session.frame(seen=True)
 
@@ -163,9 +162,8 @@ def test_depth_follows_the_option():
     for bounces in (1, 4):
         session = open_view(scene, METHOD.format(bounces), SMALL)
         session.draw(scene.camera)
-        assert len(session._drawing._planned) == bounces
+        assert len(session.diagnostics()["layers"]) == bounces
     camera = cameras.pinhole(scene.camera, SMALL)
-    method, options = parse(METHOD.format(2))
-    session = method.open(View(scene, camera, SMALL), options)
+    session = Specification.parse(METHOD.format(2)).open(View(scene, camera, SMALL))
     session.draw(camera)
-    assert len(session._drawing._planned) == 3
+    assert len(session.diagnostics()["layers"]) == 3

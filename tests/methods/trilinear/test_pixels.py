@@ -133,8 +133,8 @@ def sights():
     scene = make("facing-mirrors")
     session = open_view(scene, "trilinear", SIZE)
     session.draw(scene.camera)
-    drawing = session._drawing
-    return drawing._planned, drawing._triangles
+    held = session.diagnostics()
+    return held["layers"], held["triangles"]
 
 
 def test_following_rays_know_what_they_follow_and_how_light_came(sights):

@@ -14,8 +14,7 @@ from anamorph.gallery import make
 from anamorph.gallery.cube import CAMERA as CUBE_CAMERA
 from anamorph.gallery.cube import cube_scene
 from anamorph.gallery.flat_mirror import plane_mirror
-from anamorph.methods import parse
-from anamorph.methods.protocol import Session
+from anamorph.methods import Session, Specification
 from anamorph.raymesh import RayMesh
 from anamorph.scene.camera import Camera
 from anamorph.scene.geometry import flatten
@@ -68,14 +67,13 @@ def test_a_scene_that_moves_is_drawn_as_if_anew(method):
 
 def test_a_deformed_scene_is_followed_through_a_ray_mesh_as_well():
     scene, camera = cube_scene(), cameras.pinhole(CUBE_CAMERA, SIZE)
-    method, options = parse("trilinear")
-    session = method.open(View(scene, camera, SIZE), options)
+    session = Specification.parse("trilinear").open(View(scene, camera, SIZE))
     again(session, camera)
     moved = waved(scene, 1.0)
     geometry = flatten(moved)
     session.deform(geometry.positions, geometry.normals)
     frame = again(session, camera)
-    fresh = again(method.open(View(moved, camera, SIZE), options), camera)
+    fresh = again(Specification.parse("trilinear").open(View(moved, camera, SIZE)), camera)
     assert (frame.object_id != fresh.object_id).sum() <= 2
     assert np.abs(frame.position - fresh.position).max() <= 1e-3
 
@@ -103,9 +101,8 @@ def test_an_eye_that_turns_from_mirrors_in_mirrors_leaves_none_behind():
 
 def test_ray_meshes_may_change_from_frame_to_frame():
     scene = cube_scene()
-    method, options = parse("trilinear")
     meshes = [cameras.pinhole(CUBE_CAMERA, SIZE), cameras.detail_and_context(CUBE_CAMERA, SIZE)]
-    session = method.open(View(scene, meshes[0], SIZE), options)
+    session = Specification.parse("trilinear").open(View(scene, meshes[0], SIZE))
     frames = [again(session, mesh) for mesh in (*meshes, *meshes)]
     assert_same(frames[0], frames[2])
     assert_same(frames[1], frames[3])
@@ -136,7 +133,6 @@ def test_mirrors_behind_the_eye_or_turned_away_are_as_if_not_there():
 
 def test_ray_meshes_without_triangles_in_the_picture_see_nothing():
     scene, whole = cube_scene(), cameras.pinhole(CUBE_CAMERA, SIZE)
-    method, options = parse("trilinear")
     empty = {
         "no triangle": replace(whole, faces=whole.faces[:0]),
         "beside the picture": replace(whole, picture=whole.picture + np.array([500.0, 0.0, 0.0])),
@@ -145,11 +141,11 @@ def test_ray_meshes_without_triangles_in_the_picture_see_nothing():
     }
     for name, camera in empty.items():
         for specification in ("", "edges=straight", "antialias=4"):
-            chosen = parse(f"trilinear:{specification}")[1]
-            frame = again(method.open(View(scene, camera, SIZE), chosen), camera)
+            chosen = Specification.parse(f"trilinear:{specification}")
+            frame = again(chosen.open(View(scene, camera, SIZE)), camera)
             assert (frame.status == Status.OUTSIDE).all(), name
             assert not frame.color.any() and not frame.object_id.any() and np.isfinite(frame.position).all(), name
-    session = method.open(View(scene, whole, SIZE), options)
+    session = Specification.parse("trilinear").open(View(scene, whole, SIZE))
     first = again(session, whole)
     again(session, empty["no triangle"])
     assert_same(again(session, whole), first)
@@ -163,12 +159,8 @@ def test_single_rays_of_no_direction_leave_the_others_alone():
     directions[silenced] = 0.0
     camera = replace(whole, directions=directions)
     truth, frame, before = (
-        again(method.open(View(scene, mesh, SIZE), options), mesh)
-        for (method, options), mesh in (
-            (parse("raytrace"), camera),
-            (parse("trilinear"), camera),
-            (parse("trilinear"), whole),
-        )
+        again(Specification.parse(method).open(View(scene, mesh, SIZE)), mesh)
+        for method, mesh in (("raytrace", camera), ("trilinear", camera), ("trilinear", whole))
     )
     assert np.isfinite(frame.color).all() and np.isfinite(frame.position).all()
     nothing = truth.status == Status.OUTSIDE
@@ -180,5 +172,4 @@ def test_single_rays_of_no_direction_leave_the_others_alone():
 
 
 def again_of(scene: Scene, camera: RayMesh) -> Frame:
-    method, options = parse("raytrace")
-    return again(method.open(View(scene, camera, SIZE), options), camera)
+    return again(Specification.parse("raytrace").open(View(scene, camera, SIZE)), camera)

@@ -267,4 +267,4 @@ def test_a_camera_given_is_the_eye(monkeypatch):
     assert an.view(an.open_scene("flat-mirror")[0], "raytrace", camera=eye) is None
     assert [start.state.camera for start, _ in shown] == [eye, eye]
     assert [size for _, size in shown] == [(320, 200), (800, 600)]
-    assert shown[1][0].state.first.method == "raytrace"
+    assert str(shown[1][0].state.first.method) == "raytrace"

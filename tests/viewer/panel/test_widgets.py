@@ -13,7 +13,7 @@ from scenes import CAMERA, scene_with, spherical_mirror
 
 from anamorph import gallery
 from anamorph.measure.errors import Statistics
-from anamorph.methods import METHODS, parse
+from anamorph.methods import Specification
 from anamorph.scene.camera import Camera
 from anamorph.scene.model import Glass, Scene
 from anamorph.viewer.controls import scene_controls
@@ -30,7 +30,6 @@ from anamorph.viewer.panel.methods import (
     SAMPLES,
     UNITS,
     few_bounces,
-    specification,
 )
 from anamorph.viewer.panel.results import PATHS, SAVED
 from anamorph.viewer.panel.scene import SIDES, curvature_text
@@ -66,7 +65,7 @@ def opened(scene: Scene) -> Iterator[Callable[..., Stage]]:
 
     def open_stage(size=SIZE, ratio=1.0, of=scene, told=None, **state) -> Stage:
         facts = Facts(of, size, size, size, "an adapter with rather a long name, as they have (LLVM 15.0.6, 256 bits)")
-        start = State(of.camera, Half("pervertex"), Half("raytrace"))
+        start = State(of.camera, Half(Specification.parse("pervertex")), Half(Specification.parse("raytrace")))
         stages.append(Stage(replace(start, **state), replace(facts, **(told or {})), ratio))
         return stages[-1]
 
@@ -84,11 +83,14 @@ def pressed(stage: Stage, *keys: str) -> State:
 @pytest.mark.parametrize(
     ("keys", "changes"),
     [
-        (["first/aspect/error"], {"first": Half("pervertex", Aspect.ERROR)}),
-        (["first/aspect/status"], {"first": Half("pervertex", Aspect.STATUS)}),
-        (["first/method", "first/method/environment"], {"first": Half("environment")}),
-        (["first/options", "first/mipmaps"], {"first": Half("pervertex:mipmaps=true")}),
-        (["first/options", "first/wide", "first/wide/cube"], {"first": Half("pervertex:wide=cube")}),
+        (["first/aspect/error"], {"first": Half(Specification.parse("pervertex"), Aspect.ERROR)}),
+        (["first/aspect/status"], {"first": Half(Specification.parse("pervertex"), Aspect.STATUS)}),
+        (["first/method", "first/method/environment"], {"first": Half(Specification.parse("environment"))}),
+        (["first/options", "first/mipmaps"], {"first": Half(Specification.parse("pervertex:mipmaps=true"))}),
+        (
+            ["first/options", "first/wide", "first/wide/cube"],
+            {"first": Half(Specification.parse("pervertex:wide=cube"))},
+        ),
         (["first/options", "first/mipmaps", "first/reset"], {}),
         (["split"], {"split": True}),
         (["section/quality", "samples/8"], {"samples": 8}),
@@ -119,10 +121,10 @@ def test_a_widget_changes_its_own_field_and_no_other(opened, keys, changes) -> N
 
 
 def test_widgets_that_only_sometimes_show_change_their_own_field_too(opened) -> None:
-    stage = opened(split=True, second=Half("pervertex:refine=3", Aspect.ERROR), picked=(0.5, 0.5))
+    stage = opened(split=True, second=Half(Specification.parse("pervertex:refine=3"), Aspect.ERROR), picked=(0.5, 0.5))
     start = stage.state
     state = pressed(stage, "second/aspect/status")
-    assert state == replace(start, second=Half("pervertex:refine=3", Aspect.STATUS))
+    assert state == replace(start, second=Half(Specification.parse("pervertex:refine=3"), Aspect.STATUS))
     state = pressed(stage, "first/aspect/error", "unit/px")
     assert (state.first.aspect, state.unit) == (Aspect.ERROR, "px")
     assert pressed(stage, "inspection/clear") == replace(state, picked=None)
@@ -227,22 +229,22 @@ def test_an_option_without_an_upper_limit_takes_any_typed_value(opened) -> None:
     stage = opened()
     pressed(stage, "first/options")
     typed(stage, "first/tolerance", "2000")
-    assert parse(stage.state.first.method)[1].tolerance == 2000.0
+    assert stage.state.first.method.options.tolerance == 2000.0
     typed(stage, "first/refine", "2000")
-    assert parse(stage.state.first.method)[1].refine == 16
+    assert stage.state.first.method.options.refine == 16
 
 
 def test_a_method_that_does_not_refract_cannot_be_chosen_for_glass(opened, scene) -> None:
     lens = replace(scene, meshes=tuple(replace(m, material=Glass()) if m.specular else m for m in scene.meshes))
     stage = opened(of=lens)
     state = pressed(stage, "first/method", "first/method/environment")
-    assert state.first == Half("pervertex")
-    assert pressed(stage, "first/method/trilinear").first == Half("trilinear")
+    assert state.first == Half(Specification.parse("pervertex"))
+    assert pressed(stage, "first/method/trilinear").first == Half(Specification.parse("trilinear"))
 
 
 def test_a_half_that_no_method_can_draw_still_lets_another_be_chosen(opened) -> None:
-    stage = opened(first=Half("nonsense:a=b"))
-    assert pressed(stage, "first/method", "first/method/raytrace").first == Half("raytrace")
+    stage = opened(first=Half(Specification.parse("nonsense:a=b")))
+    assert pressed(stage, "first/method", "first/method/raytrace").first == Half(Specification.parse("raytrace"))
 
 
 def test_while_a_list_is_open_the_whole_canvas_is_covered(opened) -> None:
@@ -281,7 +283,10 @@ TOLD = {
 
 @pytest.mark.parametrize(("size", "ratio"), SIZES)
 def test_nothing_overlaps_and_all_lies_in_the_canvas_or_the_scrolled_panel(opened, size, ratio) -> None:
-    first, second = Half("environment", Aspect.STATUS), Half("pervertex:refine=3,wide=cube", Aspect.ERROR)
+    first, second = (
+        Half(Specification.parse("environment"), Aspect.STATUS),
+        Half(Specification.parse("pervertex:refine=3,wide=cube"), Aspect.ERROR),
+    )
     stage = opened(size, ratio, told=TOLD, split=True, first=first, second=second, picked=(0.5, 0.5))
     stage.state = replace(stage.state, views=(CAMERA, replace(CAMERA, position=(-12345.678,) * 3)))
     stage.press("first/options")
@@ -308,10 +313,10 @@ def test_nothing_overlaps_and_all_lies_in_the_canvas_or_the_scrolled_panel(opene
 
 
 def test_an_option_that_may_be_very_large_is_small_over_most_of_its_slider(opened) -> None:
-    stage = opened(first=Half("raytrace"))
+    stage = opened(first=Half(Specification.parse("raytrace")))
     stage.press("first/options")
     stage.press("first/bounces", 0.75)
-    assert 20 < parse(stage.state.first.method)[1].bounces < 100
+    assert 20 < stage.state.first.method.options.bounces < 100
 
 
 @pytest.mark.parametrize("size", [size for size, _ in SIZES])
@@ -325,7 +330,7 @@ def test_the_help_lists_every_key_within_the_canvas(opened, size) -> None:
 @pytest.mark.parametrize("divider", [0.0, 0.02, 0.5, 0.98, 1.0])
 @pytest.mark.parametrize("panel", [True, False])
 def test_legends_keep_to_their_half(opened, divider, panel) -> None:
-    half = Half("pervertex", Aspect.ERROR)
+    half = Half(Specification.parse("pervertex"), Aspect.ERROR)
     stage = opened(split=True, divider=divider, first=half, second=half, panel=panel)
     left, _, right, _ = picture_area(SIZE, panel)
     found, x = stage.drawn.rectangles, left + divider * (right - left)
@@ -338,7 +343,7 @@ def test_legends_keep_to_their_half(opened, divider, panel) -> None:
 
 
 def test_words_fit_the_buttons_they_stand_on(opened) -> None:
-    stage = opened(first=Half("pervertex", Aspect.ERROR))
+    stage = opened(first=Half(Specification.parse("pervertex"), Aspect.ERROR))
     pressed(stage, "section/quality", "section/save")
     groups = {"first/aspect": ASPECTS, "unit": UNITS, "samples": SAMPLES, "resolution": RESOLUTIONS, "eye/side": SIDES}
     words = {f"{key}/{value}": text for key, choices in groups.items() for value, text in choices}
@@ -463,14 +468,14 @@ def test_a_method_is_called_the_same_over_the_picture_and_beside_it(opened, monk
     rows = {}
     monkeypatch.setattr(results, "row", lambda label, *values: rows.update({label: values}))
     stage = opened(told={"inspection": replace(SEEN, method=specification)}, picked=(0.5, 0.5))
-    assert rows["method"] == (said,) and half_caption(Half(specification), stage.state) == said
+    assert rows["method"] == (said,) and half_caption(Half(Specification.parse(specification)), stage.state) == said
 
 
 def test_the_panel_says_where_the_truth_follows_more_mirrors() -> None:
     several, one = gallery.make("facing-mirrors"), gallery.make("car-mirror")
 
     def said(specification: str, scene: Scene) -> str:
-        return few_bounces(parse(specification)[1], scene)
+        return few_bounces(Specification.parse(specification).options, scene)
 
     assert said("pervertex", several) == said("trilinear", several) != ""
     assert "2 mirrors" in said("pervertex", several) and "3 mirrors" in said("pervertex:bounces=3", several)
@@ -485,13 +490,7 @@ def test_letters_are_drawn_as_fine_as_the_canvas_is(opened, ratio) -> None:
     assert opened(ratio=ratio).density == ratio
 
 
-@pytest.mark.parametrize("name", METHODS)
-def test_a_specification_says_what_differs_and_reads_back(name) -> None:
-    method = METHODS[name]
-    assert specification(method, method.options()) == name
-    flags = [key for key, value in vars(method.options()).items() if isinstance(value, bool)]
-    changed = replace(method.options(), **{key: not getattr(method.options(), key) for key in flags})
-    assert parse(specification(method, changed)) == (method, changed)
+def test_every_drawing_can_be_chosen() -> None:
     assert len(DRAWINGS) == len(Drawing)
 
 
@@ -544,7 +543,7 @@ def test_the_panel_says_how_errors_come_to_be_measured(opened, monkeypatch) -> N
     opened()
     assert results.UNASKED in said
     said.clear()
-    opened(first=Half("pervertex", Aspect.ERROR))
+    opened(first=Half(Specification.parse("pervertex"), Aspect.ERROR))
     assert results.UNASKED not in said and any("nothing moves" in text for text in said)
     said.clear()
     opened(picked=(0.5, 0.5))

@@ -43,10 +43,10 @@ from anamorph.bench.thesis.printed import (
 )
 from anamorph.bench.thesis.sweeps import Place, RandomTime, clip_lines, lines_through, time_random
 from anamorph.gpu.device import adapter_name
-from anamorph.methods import parse, with_option
+from anamorph.methods import Specification
 
-CLIPPED_STRAIGHT = "trilinear:edges=straight,clip=scene"
-SMOOTHED = with_option(EXACT, "antialias", 4)
+CLIPPED_STRAIGHT = STRAIGHT.with_options(clip="scene")
+SMOOTHED = EXACT.with_options(antialias=4)
 DEFAULT = (EXACT, STRAIGHT)
 """What is timed beside the tracer where nothing is chosen; in the cases, `EXACT` and `SMOOTHED`."""
 
@@ -123,12 +123,12 @@ class Results:
 
 
 def measure_thesis(
-    methods: Sequence[str] | None = None,
+    methods: Sequence[Specification] = (),
     extent: Extent = FULL,
     parts: Sequence[str] = PARTS,
     progress: Callable[[int, int, str], None] = lambda done, total, what: None,
 ) -> Results:
-    """Measure the tracer and `methods`, each "NAME" or "NAME:option=value,...".
+    """Measure the tracer and `methods`.
 
     Without `methods`, they are `DEFAULT`. Clipping and tessellation are ways of drawing with straight edges, and
     measured with them whatever `methods` are.
@@ -136,9 +136,7 @@ def measure_thesis(
     for part in parts:
         if part not in PARTS:
             raise AnamorphError(f"part: there is no {part!r}; parts are {', '.join(PARTS)}{nearest(part, PARTS)}")
-    for method in methods or ():
-        parse(method)
-    timed = tuple(dict.fromkeys((COMPETITOR, *(methods or DEFAULT))))
+    timed = tuple(dict.fromkeys((Specification.parse(COMPETITOR), *(methods or DEFAULT))))
     drawn = tuple(methods or (EXACT, SMOOTHED))
     places = lines_through(extent.sides, extent.counts, extent.quads)
     clipped = clip_lines(extent.sides, extent.counts, extent.quads)
@@ -190,8 +188,8 @@ def _tables(results: Results) -> dict[str, list]:
     traced = [row for row in results.configurations if row.method == COMPETITOR]
     return {
         RAY_TRACING: [row for row in timed if row.method == COMPETITOR],
-        TRILINEAR: [row for row in timed if row.method not in (COMPETITOR, CLIPPED_STRAIGHT)],
-        CLIPPED: [row for row in timed if row.method == CLIPPED_STRAIGHT],
+        TRILINEAR: [row for row in timed if row.method not in (COMPETITOR, str(CLIPPED_STRAIGHT))],
+        CLIPPED: [row for row in timed if row.method == str(CLIPPED_STRAIGHT)],
         RAY_TRACING_CONFIGURATIONS: traced,
         TRILINEAR_CONFIGURATIONS: [row for row in results.configurations if row.method != COMPETITOR],
         **{
@@ -219,7 +217,7 @@ def _cell(value: object) -> object:
 def _plots(results: Results) -> list[Plot]:
     makers: tuple[tuple[Sequence, Callable[[Any], list[Plot]]], ...] = (
         (results.random, random_plots),
-        (results.clipping, lambda rows: clip_plots(rows, STRAIGHT, CLIPPED_STRAIGHT)),
+        (results.clipping, lambda rows: clip_plots(rows, str(STRAIGHT), str(CLIPPED_STRAIGHT))),
         (results.configurations, configuration_plots),
         (results.tessellation, tessellation_plots),
         (results.growth, growth_plots),

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from anamorph.base.steps import drain
 from anamorph.bench.thesis.moving import open_sessions, time_methods
 from anamorph.bench.thesis.printed import COMPETITOR, rows
 from anamorph.cameras import detail_and_context, inward_sphere, multi_perspective, refracting_plane
@@ -14,10 +15,9 @@ from anamorph.frame import View
 from anamorph.gallery.cube import CAMERA, FRONT, LEFT, cube_scene
 from anamorph.gallery.cube_mirrors import cube_in_sphere, cube_in_wavy_mirror
 from anamorph.measure.colors import flip_map
-from anamorph.methods import parse, with_option
-from anamorph.methods.protocol import Session
+from anamorph.methods import Session, Specification
+from anamorph.methods.averaging import averaging
 from anamorph.raymesh import RayMesh
-from anamorph.scene.camera import Camera
 from anamorph.scene.model import Scene
 
 TRUTH_SIDE = 4
@@ -92,17 +92,6 @@ def _made(figure: str, size: tuple[int, int], projections: int) -> tuple[Scene, 
     return cube, refracting_plane(CAMERA, size, quads)
 
 
-def averaged(session: Session, camera: Camera | RayMesh, side: int) -> np.ndarray:
-    """The mean of side x side shifted pictures, (H, W, 3)."""
-    steps = (np.arange(side) + 0.5) / side - 0.5
-    total: np.ndarray | float = 0.0
-    for y in steps:
-        for x in steps:
-            session.draw(camera, (float(x), float(y)))
-            total = total + session.frame().color.astype(float)
-    return np.asarray(total) / side**2
-
-
 def frames_for(goal: float, flips: Sequence[float]) -> float | None:
     """How many shifted frames have the FLIP `goal`, where `flips` are those of 1, 4, 9 ... frames; at least 1."""
     if flips[-1] > goal:
@@ -114,7 +103,10 @@ def frames_for(goal: float, flips: Sequence[float]) -> float | None:
 
 
 def time_cases(
-    chosen: Sequence[Case], methods: Sequence[str], frames: int, tell: Callable[[str], None] = lambda what: None
+    chosen: Sequence[Case],
+    methods: Sequence[Specification],
+    frames: int,
+    tell: Callable[[str], None] = lambda what: None,
 ) -> list[CaseTime]:
     """Time every case by the tracer and `methods`.
 
@@ -123,12 +115,12 @@ def time_cases(
     timed = []
     for case in chosen:
         tell(f"figure {case.figure}, {case.size[0]} x {case.size[1]}")
-        specifications = {_as_seen(method, case): method for method in (COMPETITOR, *methods)}
+        specifications = {_as_seen(method, case): method for method in (Specification.parse(COMPETITOR), *methods)}
         times = time_methods(case.scene, case.rays, case.size, tuple(specifications), frames)
         view = View(case.scene, case.rays or case.scene.camera, case.size)
-        sessions = open_sessions(view, tuple(specifications))
+        sessions = open_sessions(view, specifications)
         tracer = sessions[next(iter(specifications))]
-        truth = averaged(tracer, view.camera, TRUTH_SIDE)
+        truth = drain(averaging(tracer, view.camera, TRUTH_SIDE))
         goal = _flip(truth, tracer, view, GOAL_SIDE)
         printed = next(row for row in rows("table-8-1") if row["figure"] == case.figure)
         for specification, method in specifications.items():
@@ -137,25 +129,25 @@ def time_cases(
             while flips[-1] > goal and len(flips) < MOST_SIDE:
                 flips.append(_flip(truth, sessions[specification], view, len(flips) + 1))
             needed = frames_for(goal, flips)
-            known = float(printed["ray_ms" if method == COMPETITOR else "trilinear_ms"])
+            known = float(printed["ray_ms" if str(method) == COMPETITOR else "trilinear_ms"])
             timed.append(
                 CaseTime(
-                    case.figure, *case.size, case.projections, case.scene_triangles, method, timing.median, timing.min,
-                    flips[0], needed, needed and needed * timing.median, known,
+                    case.figure, *case.size, case.projections, case.scene_triangles, str(method),
+                    timing.median, timing.min, flips[0], needed, needed and needed * timing.median, known,
                 )
             )  # fmt: skip
     return timed
 
 
 def _flip(truth: np.ndarray, session: Session, view: View, side: int) -> float:
-    return float(flip_map(truth, averaged(session, view.camera, side)).mean())
+    return float(flip_map(truth, drain(averaging(session, view.camera, side))).mean())
 
 
-def _as_seen(method: str, case: Case) -> str:
+def _as_seen(method: Specification, case: Case) -> Specification:
     """The method, for mirrors with the rays of the ray mesh and one bounce where it has such options."""
     if case.rays is not None:
         return method
     for option, value in (("truth", "raymesh"), ("bounces", 1)):
-        if hasattr(parse(method)[0].options, option):
-            method = with_option(method, option, value)
+        if hasattr(method.options, option):
+            method = method.with_options(**{option: value})
     return method

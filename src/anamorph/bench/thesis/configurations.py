@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from anamorph.bench.thesis.moving import open_sessions, time_methods
+from anamorph.bench.thesis.moving import time_methods
 from anamorph.bench.thesis.printed import (
     COMPETITOR,
     RAY_TRACING_CONFIGURATIONS,
@@ -23,12 +23,12 @@ from anamorph.bench.thesis.printed import (
 from anamorph.bench.thesis.random_scene import loose_triangles
 from anamorph.frame import View
 from anamorph.measure.colors import color_errors
-from anamorph.methods import with_option
+from anamorph.methods import Specification
 from anamorph.raymesh import RayMesh
 from anamorph.scene.model import Scene
 
-EXACT = "trilinear"
-STRAIGHT = "trilinear:edges=straight,clip=screen"
+EXACT = Specification.parse("trilinear")
+STRAIGHT = EXACT.with_options(edges="straight", clip="screen")
 """As the thesis draws where it says nothing else."""
 EXACT_EDGES = "exact"
 """Stands where a way to tessellate does; its factor is 0."""
@@ -79,7 +79,7 @@ def configuration_scene(name: str, side: int) -> tuple[Scene, RayMesh]:
 def time_configurations(
     names: Sequence[str],
     sides: Sequence[int],
-    methods: Sequence[str],
+    methods: Sequence[Specification],
     frames: int,
     tell: Callable[[str], None] = lambda what: None,
 ) -> list[ConfigurationTime]:
@@ -90,9 +90,9 @@ def time_configurations(
             tell(f"configuration {name}, {side} x {side}")
             scene, rays = configuration_scene(name, side)
             for method, timing in time_methods(scene, rays, (side, side), methods, frames).timings.items():
-                table = RAY_TRACING_CONFIGURATIONS if method == COMPETITOR else TRILINEAR_CONFIGURATIONS
+                table = RAY_TRACING_CONFIGURATIONS if str(method) == COMPETITOR else TRILINEAR_CONFIGURATIONS
                 known = printed(table, configuration=name, resolution_px=side**2)
-                rows.append(ConfigurationTime(name, side**2, method, timing.median, timing.min, known))
+                rows.append(ConfigurationTime(name, side**2, str(method), timing.median, timing.min, known))
     return rows
 
 
@@ -110,8 +110,8 @@ def measure_tessellation(
         scene, rays = configuration_scene(name, side)
         view = View(scene, rays, (side, side))
         chosen = {(EXACT_EDGES, 0): EXACT}
-        chosen |= {(way, factor): with_option(STRAIGHT, way, factor) for way in TESSELLATION for factor in factors}
-        truth = _drawn(view, COMPETITOR)
+        chosen |= {(way, factor): STRAIGHT.with_options(**{way: factor}) for way in TESSELLATION for factor in factors}
+        truth = _drawn(view, Specification.parse(COMPETITOR))
         counted = _within(side)
         for (way, factor), method in chosen.items():
             timing = time_methods(scene, rays, view.size, [method], frames).timings[method]
@@ -139,7 +139,7 @@ def _printed(name: str, side: int, way: str, factor: int) -> tuple[float | None,
     return printed(table, "ms", **named), printed(table, "relative_error", **named)
 
 
-def _drawn(view: View, method: str) -> np.ndarray:
-    session = open_sessions(view, [method])[method]
+def _drawn(view: View, method: Specification) -> np.ndarray:
+    session = method.open(view)
     session.draw(view.camera)
-    return session.frame().color
+    return session.color()

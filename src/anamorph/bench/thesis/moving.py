@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from anamorph.base.errors import AnamorphError
+from anamorph.base.steps import drain
 from anamorph.frame import View
-from anamorph.measure.frame_times import ORBIT, Timing, eye_path, time_in_turn
-from anamorph.methods import parse
-from anamorph.methods.protocol import Session
+from anamorph.measure.frame_times import ORBIT, Timing, eye_path, timing_rounds
+from anamorph.methods import Session, Specification
 from anamorph.raymesh import RayMesh
 from anamorph.scene.model import Scene
 
@@ -32,33 +32,29 @@ def camera_path(view: View, count: int) -> list:
     return [replace(rays, origins=rays.origins + offset) for offset in offsets]
 
 
-def open_sessions(view: View, methods: Sequence[str]) -> dict[str, Session]:
-    """A session of each method specification."""
-    opened = {}
-    for specification in methods:
-        method, options = parse(specification)
-        opened[specification] = method.open(view, options)
-    return opened
+def open_sessions(view: View, methods: Iterable[Specification]) -> dict[Specification, Session]:
+    """A session of each method."""
+    return {method: method.open(view) for method in methods}
 
 
 @dataclass(frozen=True)
 class Times:
     """What a frame takes by each method, milliseconds, and why some could not draw it."""
 
-    timings: dict[str, Timing]
-    refusals: dict[str, str]
+    timings: dict[Specification, Timing]
+    refusals: dict[Specification, str]
 
 
 def time_methods(
-    scene: Scene, camera: RayMesh | None, size: tuple[int, int], methods: Sequence[str], frames: int
+    scene: Scene, camera: RayMesh | None, size: tuple[int, int], methods: Sequence[Specification], frames: int
 ) -> Times:
     """Time methods, which take turns; without a `camera`, that of the scene."""
     view = View(scene, camera or scene.camera, size)
     sessions, refusals = open_sessions(view, methods), {}
-    for name in methods:
+    for method in methods:
         try:
-            sessions[name].draw(view.camera)
+            sessions[method].draw(view.camera)
         except AnamorphError as error:
-            refusals[name] = str(error)
-            del sessions[name]
-    return Times(time_in_turn(sessions, camera_path(view, frames), frames), refusals)
+            refusals[method] = str(error)
+            del sessions[method]
+    return Times(drain(timing_rounds(sessions, camera_path(view, frames), frames)), refusals)

@@ -8,7 +8,7 @@ from importlib.resources import files
 
 import numpy as np
 
-from anamorph.methods import parse
+from anamorph.methods import Specification
 
 RAY_TRACING, TRILINEAR, CLIPPED = "d1-ray-tracing", "d2-trilinear", "d3-trilinear-clipped"
 RAY_TRACING_CONFIGURATIONS, TRILINEAR_CONFIGURATIONS = "d4-ray-tracing-configurations", "d5-trilinear-configurations"
@@ -40,10 +40,10 @@ def printed(name: str, value: str = "ms", **key: object) -> float | None:
     return table.get(tuple(str(entry) for entry in key.values()))
 
 
-def random_table(method: str) -> str:
+def random_table(method: Specification) -> str:
     """The table whose counterpart a method's times over random triangles are."""
-    chosen, options = parse(method)
-    if chosen.name == COMPETITOR:
+    options = method.options
+    if method.method.name == COMPETITOR:
         return RAY_TRACING
     clipped = (getattr(options, "edges", ""), getattr(options, "clip", "")) == ("straight", "scene")
     return CLIPPED if clipped else TRILINEAR

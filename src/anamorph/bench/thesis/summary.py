@@ -92,7 +92,8 @@ def exact_over_straight(results: Results) -> str | None:
         if row.ms:
             place = (row.resolution_px, row.scene_triangles, row.trilinear_projections)
             times.setdefault(place, {})[row.method] = row.ms
-    ratios = [timed[EXACT] / timed[STRAIGHT] for timed in times.values() if {EXACT, STRAIGHT} <= timed.keys()]
+    exact, straight = str(EXACT), str(STRAIGHT)
+    ratios = [timed[exact] / timed[straight] for timed in times.values() if {exact, straight} <= timed.keys()]
     if not ratios:
         return None
     low, high = number(min(ratios)), number(max(ratios))

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from anamorph.bench.thesis.moving import Times, time_methods
 from anamorph.bench.thesis.printed import printed, random_table
 from anamorph.bench.thesis.random_scene import random_ray_mesh, random_triangles
+from anamorph.methods import Specification
 
 
 @dataclass(frozen=True, order=True)
@@ -72,7 +73,10 @@ def _three(values: Sequence[int]) -> set[int]:
 
 
 def time_random(
-    places: Iterable[Place], methods: Sequence[str], frames: int, tell: Callable[[str], None] = lambda what: None
+    places: Iterable[Place],
+    methods: Sequence[Specification],
+    frames: int,
+    tell: Callable[[str], None] = lambda what: None,
 ) -> list[RandomTime]:
     """Time all methods at each place."""
     rows = []
@@ -85,7 +89,7 @@ def time_random(
     return rows
 
 
-def _row(place: Place, method: str, times: Times) -> RandomTime:
+def _row(place: Place, method: Specification, times: Times) -> RandomTime:
     pixels, known = place.side**2, None
     if place.roughness == 1.0:
         known = printed(
@@ -96,6 +100,6 @@ def _row(place: Place, method: str, times: Times) -> RandomTime:
         )
     timing = times.timings.get(method)
     return RandomTime(
-        pixels, place.scene_triangles, place.projections, place.roughness, method,
+        pixels, place.scene_triangles, place.projections, place.roughness, str(method),
         timing.median if timing else None, timing.min if timing else None, known, times.refusals.get(method, ""),
     )  # fmt: skip

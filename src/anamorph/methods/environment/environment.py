@@ -6,9 +6,10 @@ alone: the scene drawn once more from the mirrored eye.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 import wgpu
@@ -20,18 +21,19 @@ from anamorph.gpu.buffers import storage_buffer
 from anamorph.gpu.device import of_device
 from anamorph.gpu.drawing import draw_mesh, make_pipeline
 from anamorph.gpu.shaders import shader_module
-from anamorph.gpu.targets import COLOR_FORMAT, MAP_FORMATS, SEEN_FORMATS, Target, make_texture, map_sampler
+from anamorph.gpu.targets import COLOR_FORMAT, MAP_FORMATS, SEEN_FORMATS, make_texture, map_sampler
+from anamorph.methods.drawing import SpecularDrawing
 from anamorph.methods.environment.cube import make_cube
 from anamorph.methods.options import check_options, option
 from anamorph.methods.pervertex.options import Options as PerVertexOptions
 from anamorph.methods.pervertex.pervertex import PerVertexDrawing
-from anamorph.methods.protocol import Method, Session
-from anamorph.methods.session import DrawingSession, Stage
+from anamorph.methods.protocol import Method
+from anamorph.methods.session import Session
+from anamorph.methods.stage import Stage
 from anamorph.optics.ray_meshes import Body, bodies_of, rays_of
 from anamorph.projection import UNIFORM_BYTES, Projection, pinhole_projection
 from anamorph.raymesh import RayMesh, RayStatus
 from anamorph.scene.camera import Camera
-from anamorph.scene.geometry import Geometry
 from anamorph.scene.model import Glass
 
 DEFAULT_FACE = 1024
@@ -149,15 +151,15 @@ class _CubeReflector:
         return rays_of(self._body, camera.eye(size)).rays
 
 
-class CubeDrawing:
-    """Draws every mirror of a scene by cube maps. See `SpecularDrawing`."""
+class CubeDrawing(SpecularDrawing):
+    """Draws every mirror of a scene by cube maps."""
 
     def __init__(self, stage: Stage, options: Options) -> None:
-        self._stage, self._options = stage, options
+        super().__init__(stage)
+        self._options = options
         layout = layout_of(STORAGE, texture("cube"), SAMPLER, texture("2d-array", filterable=False))
         bodies = bodies_of(stage.view.scene, stage.geometry)
         self._reflectors = [_CubeReflector(stage, body, options, layout) for body in bodies]
-        self.replaced = stage.buffers.specular
         self._drawn = False
         module = shader_module("methods/environment/environment.wgsl")
         self._color = make_pipeline(
@@ -173,9 +175,6 @@ class CubeDrawing:
             module, "scene_vertex", "environment_seen", SEEN_FORMATS, groups=(layout,), cull="back"
         )
 
-    def deformed(self, geometry: Geometry) -> None:
-        """The next frame draws the cube maps anew; a static one stays as it is."""
-
     def prepare(self, encoder: wgpu.GPUCommandEncoder, camera: Camera, shift: tuple[float, float]) -> None:
         """Draw each mirror's cube map, all of it once, or every time the faces that the frame needs."""
         if self._drawn and self._options.update == "once":
@@ -183,19 +182,16 @@ class CubeDrawing:
         for item in self._reflectors:
             faces = set(range(6))
             if self._options.update == "always":
-                faces = set(faces_needed(item.rays(camera, self._stage.view.size)))
+                faces = set(faces_needed(item.rays(camera, self.stage.view.size)))
             for face in sorted(faces):
-                item.maps[face].draw_color(encoder, self._stage.buffers, item.indices)
+                item.maps[face].draw_color(encoder, self.stage.buffers, item.indices)
         self._drawn = True
-
-    def complete(self, target: Target, camera: Camera, shift: tuple[float, float]) -> None:
-        """There is nothing to mend."""
 
     def prepare_seen(self, encoder: wgpu.GPUCommandEncoder) -> None:
         """Draw what the cube maps see, for the seen buffers."""
         for item in self._reflectors:
             for face in item.maps:
-                face.draw_depth(encoder, self._stage.buffers, item.indices)
+                face.draw_depth(encoder, self.stage.buffers, item.indices)
 
     def draw_color(self, render_pass: wgpu.GPURenderPassEncoder) -> None:
         """The mirrors, with their cube maps."""
@@ -215,15 +211,11 @@ class CubeDrawing:
         for item, group in zip(self._reflectors, groups, strict=True):
             render_pass.set_bind_group(2, group)
             for index in item.indices:
-                draw_mesh(render_pass, self._stage.buffers, index)
+                draw_mesh(render_pass, self.stage.buffers, index)
 
-    def figures(self) -> dict[str, float]:
-        """Nothing but what the frame shows."""
-        return {}
-
-    def rays(self) -> None:
-        """The method knows directions, not rays."""
-        return None
+    def diagnostics(self) -> Mapping[str, Any]:
+        """The cube map of each reflector, face by face."""
+        return {"maps": [item.maps for item in self._reflectors]}
 
 
 def _check_flat(view: View) -> None:
@@ -252,8 +244,8 @@ def open_session(view: View, options: Options) -> Session:
         # The mirrored eye is the one point that all lines of a flat mirror share, and its picture needs no warp but
         # the projective one that per-vertex reflection does.
         planar = PerVertexDrawing(stage, PerVertexOptions(antialias=options.antialias))
-        return DrawingSession(stage, planar, options.antialias)
-    return DrawingSession(stage, CubeDrawing(stage, options), options.antialias)
+        return Session(stage, planar, options.antialias)
+    return Session(stage, CubeDrawing(stage, options), options.antialias)
 
 
 METHOD = Method(

@@ -122,6 +122,8 @@ class Atlas:
     ----------
     views : list of MapView
         The maps, smaller than they were asked for where there is no room for all.
+    corners : list of (x, y)
+        Where each map begins.
     color, depth, end : textures
         Colours; depths with their slopes and the object seen; the point and the object at the end of each path. They
         are other ones after `place` has returned True.
@@ -134,19 +136,19 @@ class Atlas:
         self._size = (0, 0)
         self._uniforms: list[ProjectionUniform] = []
         self.views: list[MapView] = []
-        self._corners: list[tuple[int, int]] = []
+        self.corners: list[tuple[int, int]] = []
         self.projections: list[np.ndarray] = []
 
     def place(self, views: Sequence[MapView]) -> bool:
         """Give each of the maps its rectangle; whether the textures had to be made anew."""
         widest = min(maximum_size(), LARGEST)
         sizes = shrunk([view.size for view in views], widest, MOST_TEXELS // self._antialias)
-        self._corners, needed = arrange(sizes, widest)
+        self.corners, needed = arrange(sizes, widest)
         self.views = [replace(view, size=size) for view, size in zip(views, sizes, strict=True)]
         if len(self._uniforms) < len(views):
             self._uniforms += [projection_uniform() for _ in range(2 * len(views) - len(self._uniforms))]
         self.projections = []
-        for view, corner, uniform in zip(self.views, self._corners, self._uniforms, strict=False):
+        for view, corner, uniform in zip(self.views, self.corners, self._uniforms, strict=False):
             self.projections.append(view.projection.uniform(view.size, corner))
             get_device().queue.write_buffer(uniform.buffer, 0, self.projections[-1])
         too_small = any(have < want for have, want in zip(self._size, needed, strict=True))
@@ -206,7 +208,7 @@ class Atlas:
 
     def _within(self, render_pass: wgpu.GPURenderPassEncoder) -> Iterator[tuple[MapView, ProjectionUniform]]:
         """Each map with its projection, while the pass draws into its rectangle."""
-        for view, corner, uniform in zip(self.views, self._corners, self._uniforms, strict=False):
+        for view, corner, uniform in zip(self.views, self.corners, self._uniforms, strict=False):
             render_pass.set_viewport(*corner, *view.size, 0.0, 1.0)
             render_pass.set_scissor_rect(*corner, *view.size)
             yield view, uniform

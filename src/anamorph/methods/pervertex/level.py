@@ -77,6 +77,8 @@ class Level:
     ----------
     atlas : Atlas
     views : list of MapView
+    maps, buffers : buffers
+        The projections of the maps; and triangles, with their vertices' data.
     lookers : dict of int to PatchDraw
         The patch that looks up each map by its places; the faces of cube maps are looked up by directions.
     """
@@ -91,8 +93,8 @@ class Level:
         self._patches: list[tuple[range, tuple[int, ...]]] = []
         self._triangles: list[np.ndarray] = []
         self._data: list[np.ndarray] = []
-        self._maps: wgpu.GPUBuffer | None = None
-        self._buffers: list[wgpu.GPUBuffer | None] = [None, None]
+        self.maps: wgpu.GPUBuffer | None = None
+        self.buffers: list[wgpu.GPUBuffer | None] = [None, None]
         self.clear()
 
     def clear(self) -> None:
@@ -135,16 +137,16 @@ class Level:
         made = self.atlas.place(self.views)
         self.views = self.atlas.views
         contents = [np.concatenate(self._triangles), np.concatenate(self._data)]
-        buffers = [roomy_buffer(old, data.nbytes) for old, data in zip(self._buffers, contents, strict=True)]
+        buffers = [roomy_buffer(old, data.nbytes) for old, data in zip(self.buffers, contents, strict=True)]
         maps = self._patch_maps()
-        room = self._maps is not None and self._maps.size >= maps.nbytes
+        room = self.maps is not None and self.maps.size >= maps.nbytes
         if not room:
             usage = wgpu.BufferUsage.UNIFORM | wgpu.BufferUsage.COPY_DST
-            self._maps = get_device().create_buffer(size=2 * maps.nbytes, usage=usage)
-        if made or not room or buffers != self._buffers:
-            self._buffers = list(buffers)
+            self.maps = get_device().create_buffer(size=2 * maps.nbytes, usage=usage)
+        if made or not room or buffers != self.buffers:
+            self.buffers = list(buffers)
             self._bind()
-        for buffer, data in zip([self._maps, *buffers], [maps, *contents], strict=True):
+        for buffer, data in zip([self.maps, *buffers], [maps, *contents], strict=True):
             get_device().queue.write_buffer(buffer, 0, data)
 
     def select(self, render_pass: wgpu.GPURenderPassEncoder, number: int) -> None:
@@ -166,12 +168,12 @@ class Level:
 
     def _bind(self) -> None:
         resources = [
-            {"buffer": self._maps, "offset": 0, "size": MOST_VIEWS * UNIFORM_BYTES},
+            {"buffer": self.maps, "offset": 0, "size": MOST_VIEWS * UNIFORM_BYTES},
             self.atlas.color.create_view(),
             map_sampler(),
             self.atlas.depth.create_view(),
             self.atlas.end.create_view(),
-            *self._buffers,
+            *self.buffers,
             self._scene.vertices,
             self._scene.indices,
         ]

@@ -8,7 +8,7 @@ here. Deviation: maps are as fine as the picture that they fill.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from functools import cache, partial
 from typing import Any
@@ -22,6 +22,7 @@ from anamorph.gpu.device import get_device
 from anamorph.gpu.drawing import bind_scene, make_pipeline, submit
 from anamorph.gpu.shaders import shader_module
 from anamorph.gpu.targets import COLOR_FORMAT, MAP_FORMATS, SEEN_FORMATS, Target, begin_pass, make_texture, read_texture
+from anamorph.methods.drawing import SpecularDrawing
 from anamorph.methods.options import check_options
 from anamorph.methods.pervertex.atlas import MapKind
 from anamorph.methods.pervertex.level import Level, level_layout
@@ -30,8 +31,9 @@ from anamorph.methods.pervertex.mend import Mender, doubtful_tiles
 from anamorph.methods.pervertex.options import Options
 from anamorph.methods.pervertex.pictures import Picture, Pictures
 from anamorph.methods.pervertex.surroundings import Surroundings, surroundings_of
-from anamorph.methods.protocol import Method, Session
-from anamorph.methods.session import DrawingSession, Stage
+from anamorph.methods.protocol import Method
+from anamorph.methods.session import Session
+from anamorph.methods.stage import Stage
 from anamorph.optics.ray_meshes import bodies_of
 from anamorph.optics.tessellation import refined_scene
 from anamorph.scene.camera import Camera
@@ -62,11 +64,12 @@ PICTURED = ("color", "inconsistency")
 IN_MAPS = {MapKind.COLOR: "color", MapKind.DEPTH: "depth", MapKind.BOTH: "color_and_depth", MapKind.END: "end"}
 
 
-class PerVertexDrawing:
-    """Draws every mirror and lens of a scene by per-vertex reflection and refraction. See `SpecularDrawing`."""
+class PerVertexDrawing(SpecularDrawing):
+    """Draws every mirror and lens of a scene by per-vertex reflection and refraction."""
 
     def __init__(self, stage: Stage, options: Options) -> None:
-        self._stage, self._options = stage, options
+        super().__init__(stage)
+        self._options = options
         bodies = bodies_of(stage.view.scene, stage.geometry)
         self._surroundings = surroundings = surroundings_of(stage.geometry, bodies)
         levels = options.bounces if len(bodies) > 1 else 1
@@ -146,7 +149,7 @@ class PerVertexDrawing:
     def plan(self, camera: Camera) -> Picture | None:
         """Plan all maps (steps 1 to 3) for a frame from `camera`; None where no mirror or lens is seen."""
         balls = self._draw_balls if self._marks is not None else None
-        eye = camera.eye(self._stage.view.size)
+        eye = camera.eye(self.stage.view.size)
         self._picture = self._pictures.plan(eye, np.asarray(camera.position, float), balls)
         return self._picture
 
@@ -157,7 +160,7 @@ class PerVertexDrawing:
         self._camera = camera
         self.plan(camera)
         if self._marks is not None:
-            self._marks.place(self._picture, camera, self._stage.view.size, self._surroundings)
+            self._marks.place(self._picture, camera, self.stage.view.size, self._surroundings)
         looks = self._options.refine > 0 or self._mender is not None or self._options.overlay == "inconsistency"
         kinds: Sequence[MapKind] = (MapKind.COLOR,)
         # Steps lead anywhere in a map, mipmaps blend far texels, and samples at a triangle's border look up beside it.
@@ -166,7 +169,7 @@ class PerVertexDrawing:
             # The balls have colour, and no depth that could be taken for the scene's.
             at_once = self._options.antialias == 1 and self._marks is None
             kinds = (MapKind.BOTH,) if at_once else (MapKind.COLOR, MapKind.DEPTH)
-        self._pictures.draw_maps(encoder, self._stage.buffers, kinds, None if whole else self._bound)
+        self._pictures.draw_maps(encoder, self.stage.buffers, kinds, None if whole else self._bound)
 
     def _bound(self, level: Level, number: int, depth_pass: wgpu.GPURenderPassEncoder) -> None:
         """Leave out what no fragment looks up."""
@@ -186,17 +189,17 @@ class PerVertexDrawing:
         encoder = get_device().create_command_encoder()
         errors = replace(target, textures=(self._errors,), attachments=(self._errors_view,))
         render_pass = begin_pass(encoder, errors, keep_depth=True)
-        bind_scene(render_pass, self._stage.buffers, self._stage.projection)
+        bind_scene(render_pass, self.stage.buffers, self.stage.projection)
         self._draw("error", render_pass)
         render_pass.end()
         submit(encoder)
         self._mender.trace(doubtful_tiles(read_texture(self._errors), self._options.tolerance), camera, shift)
-        self._mender.draw_over(target, self._stage.projection)
+        self._mender.draw_over(target, self.stage.projection)
 
     def prepare_seen(self, encoder: wgpu.GPUCommandEncoder) -> None:
         """Draw what the maps see, for the seen buffers."""
         kinds = [MapKind.DEPTH] if len(self._levels) == 1 else [MapKind.DEPTH, MapKind.END]
-        self._pictures.draw_maps(encoder, self._stage.buffers, kinds)
+        self._pictures.draw_maps(encoder, self.stage.buffers, kinds)
 
     def draw_color(self, render_pass: wgpu.GPURenderPassEncoder) -> None:
         """Step 4: the mirrors and lenses, with their maps."""
@@ -222,9 +225,10 @@ class PerVertexDrawing:
         """How many maps the last frame took, their texels, and the share of these that is looked up."""
         return self._pictures.figures()
 
-    def rays(self) -> None:
-        """There is no ray for a pixel between vertices."""
-        return None
+    def diagnostics(self) -> Mapping[str, Any]:
+        """The levels of maps, the plan of the last frame, and with a tolerance the errors of its pixels."""
+        errors = None if self._mender is None else self._errors
+        return {"levels": self._levels, "picture": self._picture, "errors": errors}
 
 
 Pipelines = Callable[[bool, int, bool, str], wgpu.GPURenderPipeline]
@@ -259,7 +263,7 @@ def open_session(view: View, options: Options) -> Session:
         options = replace(options, refine=max(options.refine, REFINEMENTS_BEFORE_TRACING))
         view = replace(view, scene=refined_scene(view.scene, view.size, RAY_SHARE * options.tolerance))
     stage = Stage(view)
-    return DrawingSession(stage, PerVertexDrawing(stage, options), options.antialias)
+    return Session(stage, PerVertexDrawing(stage, options), options.antialias)
 
 
 METHOD = Method(

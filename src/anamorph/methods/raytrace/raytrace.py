@@ -7,19 +7,21 @@ the other methods are held against, and the competitor that they must be faster 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Generator
+from collections.abc import Callable, Generator, Mapping
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import wgpu
 
 from anamorph.base.errors import AnamorphError
 from anamorph.frame import View
-from anamorph.gpu.targets import Target
+from anamorph.methods.drawing import SpecularDrawing
 from anamorph.methods.options import check_options, option
-from anamorph.methods.protocol import Method, Session
+from anamorph.methods.protocol import Method
 from anamorph.methods.raytrace.pixel_rays import pixel_rays
-from anamorph.methods.session import DrawingSession, Stage
+from anamorph.methods.session import Session
+from anamorph.methods.stage import Stage
 from anamorph.methods.tracing.bounces import WORDS
 from anamorph.methods.tracing.paths import PathTracer, Rectangle, Tracing, specular_rectangle
 from anamorph.methods.tracing.tiles import Tiles, tiles_at_once
@@ -55,13 +57,12 @@ class Options:
     tree: str = option("refit", choices=("refit", "rebuild"))
 
 
-class TracedDrawing:
-    """Replaces every pixel around the specular surfaces by a traced one. See `SpecularDrawing`."""
+class TracedDrawing(SpecularDrawing):
+    """Replaces every pixel around the specular surfaces by a traced one."""
 
     def __init__(self, stage: Stage, options: Options) -> None:
-        self._stage = stage
+        super().__init__(stage)
         self._dispersion = options.dispersion
-        self.replaced = stage.buffers.specular
         self._caster = Caster(stage.geometry)
         self._rebuilds = options.tree == "rebuild"
         self._tracer = PathTracer(stage.view.scene, stage.geometry, self._caster, options.bounces, options.truth)
@@ -91,8 +92,8 @@ class TracedDrawing:
         return encoder
 
     def _trace_eye(self, camera: Camera, shift: tuple[float, float]) -> Generator[None, None, None]:
-        size = self._stage.view.size
-        rectangle = specular_rectangle(self._stage.view.scene, camera, size)
+        size = self.stage.view.size
+        rectangle = specular_rectangle(self.stage.view.scene, camera, size)
         if rectangle is None:
             return
 
@@ -103,7 +104,7 @@ class TracedDrawing:
         yield from self._write(rectangle, records, colors)
 
     def _trace_mesh(self, mesh: RayMesh, shift: tuple[float, float], stays: bool) -> Generator[None, None, None]:
-        size = self._stage.view.size
+        size = self.stage.view.size
         if self._first is None or not stays:
             self._first = pixel_rays(mesh, size, shift, self._first)
         origins, directions = self._first
@@ -123,18 +124,12 @@ class TracedDrawing:
         for top in range(y0, y1, rows):
             bottom = min(top + rows, y1)
             if self._used == len(self._bands):
-                self._bands.append(Tiles(self._stage.buffers))
+                self._bands.append(Tiles(self.stage.buffers))
             own = slice((top - y0) * width, (bottom - y0) * width)
             corner, tile = np.array([[x0, top]]), (width, bottom - top)
             lines = (yield from colors(corner, tile, own, records[own])) if self._dispersion else None
             self._bands[self._used].write(corner, tile, records[own], lines)
             self._used += 1
-
-    def complete(self, target: Target, camera: Camera, shift: tuple[float, float]) -> None:
-        """There is nothing to mend."""
-
-    def prepare_seen(self, encoder: wgpu.GPUCommandEncoder) -> None:
-        """The paths carry all that the seen buffers need."""
 
     def draw_color(self, render_pass: wgpu.GPURenderPassEncoder) -> None:
         """The traced pixels."""
@@ -146,16 +141,12 @@ class TracedDrawing:
         for band in self._bands[: self._used]:
             band.draw_seen(render_pass)
 
-    def figures(self) -> dict[str, float]:
-        """Nothing but what the frame shows."""
-        return {}
-
     def rays(self) -> tuple[np.ndarray, np.ndarray] | None:
         """Origins and directions of each pixel's last ray: the eye's own outside the traced rectangle."""
         if self._looked is None:
             return None
         camera, shift = self._looked
-        width, height = self._stage.view.size
+        width, height = self.stage.view.size
         origin, direction = np.zeros((2, height, width, 3), np.float32)
         if isinstance(camera, Camera):
             direction[:] = camera.pixel_directions((width, height), shift)
@@ -167,6 +158,10 @@ class TracedDrawing:
             direction[y0:y1, x0:x1] = traced[..., 4:7]
         return origin, direction
 
+    def diagnostics(self) -> Mapping[str, Any]:
+        """The bands of traced rows, on the device, of the last frame."""
+        return {"bands": self._bands[: self._used]}
+
 
 def open_session(view: View, options: Options) -> Session:
     """Start ray tracing `view`."""
@@ -174,7 +169,7 @@ def open_session(view: View, options: Options) -> Session:
     if options.truth == "raymesh" and isinstance(view.camera, RayMesh):
         raise AnamorphError("raytrace: truth=raymesh is for mirrors and lenses that a pinhole sees; give truth=surface")
     stage = Stage(view)
-    return DrawingSession(stage, TracedDrawing(stage, options))
+    return Session(stage, TracedDrawing(stage, options))
 
 
 METHOD = Method(

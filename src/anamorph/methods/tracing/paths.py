@@ -75,15 +75,15 @@ class PathTracer:
             for world in (self._red, self._green, self._blue)
         )
 
-    def trace(
+    def tracing(
         self,
         camera: Camera,
         size: tuple[int, int],
         rectangle: Rectangle | None = None,
         shift: tuple[float, float] = (0.0, 0.0),
         records: np.ndarray | None = None,
-    ) -> np.ndarray:
-        """Trace one path for every pixel of a part of the picture.
+    ) -> Tracing:
+        """Trace one path for every pixel of a part of the picture, in steps.
 
         Parameters
         ----------
@@ -111,7 +111,7 @@ class PathTracer:
             8:11    throughput: what share of the light at the path's end arrives, by colour
             11      distance along the last ray, metres; infinite for the sky
             12:14   weights of the end triangle's second and third vertex
-            14      1 (uint32 bits) where the path has met glass that disperses, else 0; see `trace_colors`
+            14      1 (uint32 bits) where the path has met glass that disperses, else 0; see `tracing_colors`
             15      zero
             ======= ==========================================================================================
 
@@ -120,22 +120,11 @@ class PathTracer:
 
             Light is that of the d line: what glass that disperses does to green.
         """
-        return drain(self.tracing(camera, size, rectangle, shift, records))
-
-    def tracing(
-        self,
-        camera: Camera,
-        size: tuple[int, int],
-        rectangle: Rectangle | None = None,
-        shift: tuple[float, float] = (0.0, 0.0),
-        records: np.ndarray | None = None,
-    ) -> Tracing:
-        """`trace` in steps."""
         x0, y0, x1, y1 = rectangle or (0, 0, *size)
         tile = max(x1 - x0, 0), max(y1 - y0, 0)
-        return self._tracing_tiles(camera, size, np.array([[x0, y0]]), tile, shift, records)
+        return self.tracing_tiles(camera, size, np.array([[x0, y0]]), tile, shift, records)
 
-    def trace_tiles(
+    def tracing_tiles(
         self,
         camera: Camera,
         size: tuple[int, int],
@@ -143,35 +132,24 @@ class PathTracer:
         tile: tuple[int, int],
         shift: tuple[float, float] = (0.0, 0.0),
         records: np.ndarray | None = None,
-    ) -> np.ndarray:
-        """Trace one path for every pixel of tiles of the picture, tile by tile, each row by row; see `trace`.
+    ) -> Tracing:
+        """Trace one path for every pixel of tiles of the picture, tile by tile, each row by row; see `tracing`.
 
         Parameters
         ----------
         camera, size, shift, records
-            As in `trace`.
+            As in `tracing`.
         corners : (T, 2) int
             The first column and row of each tile.
         tile : (columns, rows)
             The size of all tiles.
         """
-        return drain(self._tracing_tiles(camera, size, corners, tile, shift, records))
-
-    def _tracing_tiles(
-        self,
-        camera: Camera,
-        size: tuple[int, int],
-        corners: np.ndarray,
-        tile: tuple[int, int],
-        shift: tuple[float, float],
-        records: np.ndarray | None,
-    ) -> Tracing:
         launch = from_eye(camera, size, corners, tile, shift)
         rays = self._vertex_rays(camera, size, 1)
         return self._tracing(self._green, launch, len(corners) * tile[0] * tile[1], rays, records)
 
-    def trace_rays(self, origins: np.ndarray, directions: np.ndarray, records: np.ndarray | None = None) -> np.ndarray:
-        """Trace one path along each given ray; see `trace`.
+    def tracing_rays(self, origins: np.ndarray, directions: np.ndarray, records: np.ndarray | None = None) -> Tracing:
+        """Trace one path along each given ray; see `tracing`.
 
         Parameters
         ----------
@@ -179,17 +157,13 @@ class PathTracer:
             Directions may have any length; one of (0, 0, 0) is no ray. What lies at the origin itself is met: there
             is no near plane but the place where a ray begins. Mirrors bend the rays at their surface in either truth.
         records
-            As in `trace`.
+            As in `tracing`.
 
         Returns
         -------
         records : (N, 16) float32
             Where there is no ray, the status is OUTSIDE, and origin, direction and throughput are zero.
         """
-        return drain(self.tracing_rays(origins, directions, records))
-
-    def tracing_rays(self, origins: np.ndarray, directions: np.ndarray, records: np.ndarray | None = None) -> Tracing:
-        """`trace_rays` in steps."""
         return self._tracing(self._green, along_rays(origins, directions), len(origins), NO_RAYS, records)
 
     def follow(self, origin: np.ndarray, direction: np.ndarray) -> np.ndarray:
@@ -202,7 +176,7 @@ class PathTracer:
         Returns
         -------
         records : (S, 16) float32
-            As in `trace`, of the path ended after 0, 1, ... bounces: row i has the ray after i bounces and what it
+            As in `tracing`, of the path ended after 0, 1, ... bounces: row i has the ray after i bounces and what it
             meets; the last row is the whole path's.
         """
         launch, rows = along_rays(np.atleast_2d(origin), np.atleast_2d(direction)), []
@@ -213,31 +187,6 @@ class PathTracer:
                 break
         return np.concatenate(rows)
 
-    def trace_colors(
-        self,
-        camera: Camera,
-        size: tuple[int, int],
-        corners: np.ndarray,
-        tile: tuple[int, int],
-        shift: tuple[float, float],
-        records: np.ndarray,
-    ) -> np.ndarray:
-        """Trace red and blue light, of the C and F lines, for the pixels whose path has met glass that disperses.
-
-        Parameters
-        ----------
-        camera, size, corners, tile, shift
-            As for `trace_tiles`.
-        records : (pixels, 16) float32
-            What `trace_tiles` returned. Word 14 is set to the row of the pixel's paths in the result, counted from 1.
-
-        Returns
-        -------
-        colors : (2, pixels that disperse, 16) float32
-            Records of red light, then of blue, in the order of `records`.
-        """
-        return drain(self.tracing_colors(camera, size, corners, tile, shift, records))
-
     def tracing_colors(
         self,
         camera: Camera,
@@ -247,7 +196,20 @@ class PathTracer:
         shift: tuple[float, float],
         records: np.ndarray,
     ) -> Tracing:
-        """`trace_colors` in steps."""
+        """Trace red and blue light, of the C and F lines, for the pixels whose path has met glass that disperses.
+
+        Parameters
+        ----------
+        camera, size, corners, tile, shift
+            As for `tracing_tiles`.
+        records : (pixels, 16) float32
+            What `tracing_tiles` returned. Word 14 is set to the row of the pixel's paths in the result, counted from 1.
+
+        Returns
+        -------
+        colors : (2, pixels that disperse, 16) float32
+            Records of red light, then of blue, in the order of `records`.
+        """
         numbers = self._numbered(records)
         columns, rows = tile
         number, place = np.divmod(numbers, columns * rows)
@@ -259,7 +221,7 @@ class PathTracer:
         )
 
     def tracing_ray_colors(self, origins: np.ndarray, directions: np.ndarray, records: np.ndarray) -> Tracing:
-        """The same for the `origins` and `directions` for which `trace_rays` returned `records`."""
+        """The same for the `origins` and `directions` for which `tracing_rays` returned `records`."""
         numbers = self._numbered(records)
         return self._tracing_lines(along_rays(origins[numbers], directions[numbers]), len(numbers), NO_RAYS, NO_RAYS)
 

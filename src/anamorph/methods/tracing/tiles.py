@@ -20,7 +20,7 @@ RECORD_BYTES = 4 * WORDS
 
 
 class Tiles:
-    """Tiles of one size, whose paths' ends `PathTracer.trace_tiles` has found."""
+    """Tiles of one size, whose paths' ends `PathTracer.tracing_tiles` has found."""
 
     def __init__(self, buffers: SceneBuffers) -> None:
         self._scene = buffers
@@ -39,7 +39,7 @@ class Tiles:
     ) -> None:
         """Take over the paths of tiles at `corners` (T, 2), of `size` (columns, rows).
 
-        With `colors` from `PathTracer.trace_colors` red and blue are drawn where their own paths lead, else all
+        With `colors` from `PathTracer.tracing_colors` red and blue are drawn where their own paths lead, else all
         colours where green's leads.
         """
         queue = get_device().queue

@@ -72,7 +72,7 @@ class Beams(NamedTuple):
     """(K,) float64: the t from which on things are seen."""
 
 
-def make_beams(
+def making_beams(
     picture: np.ndarray,
     origins: np.ndarray,
     directions: np.ndarray,
@@ -80,8 +80,8 @@ def make_beams(
     near: float = 0.0,
     spacing: float = 0.0,
     domain: np.ndarray | None = None,
-) -> Beams:
-    """The ray triangles that have a part in a picture.
+) -> Generator[None, None, Beams]:
+    """The ray triangles that have a part in a picture, in steps.
 
     Parameters
     ----------
@@ -104,6 +104,31 @@ def make_beams(
     AnamorphError
         If a number is not finite, or all directions of a ray triangle are 0.
     """
+    parts = []
+    for first in range(0, max(len(picture), 1), AT_ONCE):
+        some = slice(first, first + AT_ONCE)
+        own = None if domain is None else domain[some]
+        part = _make_beams(picture[some], origins[some], directions[some], size, near, spacing, own)
+        parts.append(part._replace(number=part.number + np.int32(first)))
+        yield
+    if len(parts) == 1:
+        return parts[0]
+    arrays: dict[str, Any] = {
+        name: np.concatenate([getattr(part, name) for part in parts]) for name in Beams._fields if name != "spacing"
+    }
+    return Beams(spacing=spacing, **arrays)
+
+
+def _make_beams(
+    picture: np.ndarray,
+    origins: np.ndarray,
+    directions: np.ndarray,
+    size: tuple[int, int],
+    near: float,
+    spacing: float,
+    domain: np.ndarray | None,
+) -> Beams:
+    """The ray triangles of one step; see `making_beams`."""
     picture = np.asarray(picture, float)
     start = np.zeros((len(picture), 2)) if domain is None else np.rint(np.mean(domain, axis=1))
     # Near its own place a small triangle keeps its digits.
@@ -162,31 +187,6 @@ def make_beams(
         spacing=spacing,
         near=near_t,
     )
-
-
-def making_beams(
-    picture: np.ndarray,
-    origins: np.ndarray,
-    directions: np.ndarray,
-    size: tuple[int, int],
-    near: float = 0.0,
-    spacing: float = 0.0,
-    domain: np.ndarray | None = None,
-) -> Generator[None, None, Beams]:
-    """As `make_beams`, in steps."""
-    parts = []
-    for first in range(0, max(len(picture), 1), AT_ONCE):
-        some = slice(first, first + AT_ONCE)
-        own = None if domain is None else domain[some]
-        part = make_beams(picture[some], origins[some], directions[some], size, near, spacing, own)
-        parts.append(part._replace(number=part.number + np.int32(first)))
-        yield
-    if len(parts) == 1:
-        return parts[0]
-    arrays: dict[str, Any] = {
-        name: np.concatenate([getattr(part, name) for part in parts]) for name in Beams._fields if name != "spacing"
-    }
-    return Beams(spacing=spacing, **arrays)
 
 
 def _products(outer: np.ndarray) -> np.ndarray:

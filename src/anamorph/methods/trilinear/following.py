@@ -42,7 +42,7 @@ LEAST_SLANT = 1.0 / 16.0
 
 @dataclass(frozen=True, eq=False)
 class Following:
-    """Ray triangles that follow pairs of a plan, as `make_beams` takes them.
+    """Ray triangles that follow pairs of a plan, as `making_beams` takes them.
 
     Parameters
     ----------
@@ -53,8 +53,9 @@ class Following:
     origins, directions : (S, 3, 3) float64
         On the plane of the scene triangle, and the reflected rays there, of about unit length in the middle.
     domain : (S, 4, 2) float64
-        The rectangle of the picture that holds all of the pair's pieces, pixels. It has no area, and `make_beams` does
-        not show it, where rays do not meet the plane in the middle of the pieces, which rounding alone has left there.
+        The rectangle of the picture that holds all of the pair's pieces, pixels. It has no area, and `making_beams`
+        does not show it, where rays do not meet the plane in the middle of the pieces, which rounding alone has left
+        there.
     """
 
     pair: np.ndarray

@@ -9,7 +9,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from anamorph.base.compiled import cores, steps_over_all_cores
-from anamorph.base.steps import drain
 from anamorph.methods.trilinear.beams import Beams
 from anamorph.methods.trilinear.box_tree import BoxTree
 from anamorph.methods.trilinear.pairs import Own, fill
@@ -53,12 +52,8 @@ class Planner:
     def __init__(self) -> None:
         self._thread = threading.local()
 
-    def plan(self, beams: Beams, tree: BoxTree, group: np.ndarray, own: Own) -> Plan:
-        """What each ray triangle sees of the triangles of a tree, each of which belongs to a `group` (M,)."""
-        return drain(self.planning(beams, tree, group, own))
-
     def planning(self, beams: Beams, tree: BoxTree, group: np.ndarray, own: Own) -> Generator[None, None, Plan]:
-        """The same, in steps."""
+        """Find what each ray triangle sees of the triangles of a tree, in steps; each belongs to a `group` (M,)."""
         count = len(beams.number)
         grain = min(max(1, -(-count // (SHARES_A_CORE * cores()))), LARGEST_SHARE)
         found: dict[int, list[tuple[np.ndarray, ...]]] = {}

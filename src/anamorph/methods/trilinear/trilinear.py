@@ -11,7 +11,7 @@ these are too wrong, which `edges=straight` does (straight/). Else each pixel de
 
 from __future__ import annotations
 
-from collections.abc import Generator
+from collections.abc import Generator, Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -24,10 +24,12 @@ from anamorph.gpu.bindings import bind, layout_of, texture
 from anamorph.gpu.buffers import storage_buffer
 from anamorph.gpu.drawing import make_pipeline
 from anamorph.gpu.shaders import shader_module
-from anamorph.gpu.targets import COLOR_FORMAT, Target, make_target
+from anamorph.gpu.targets import COLOR_FORMAT, make_target
+from anamorph.methods.drawing import SpecularDrawing
 from anamorph.methods.options import check_options, option
-from anamorph.methods.protocol import Method, Session
-from anamorph.methods.session import DrawingSession, Stage
+from anamorph.methods.protocol import Method
+from anamorph.methods.session import Session
+from anamorph.methods.stage import Stage
 from anamorph.methods.trilinear.box_tree import make_tree, moved_tree
 from anamorph.methods.trilinear.coloring import Coloring, Kind
 from anamorph.methods.trilinear.ray_layer import LayerPlan, RayLayer, SceneTriangles
@@ -80,15 +82,15 @@ class Options:
     dispersion: bool = True
 
 
-class TrilinearDrawing:
-    """Draws what a picture's ray triangles see. See `SpecularDrawing`."""
+class TrilinearDrawing(SpecularDrawing):
+    """Draws what a picture's ray triangles see."""
 
     def __init__(self, stage: Stage, options: Options) -> None:
-        self._stage, self._options = stage, options
+        super().__init__(stage)
+        self._options = options
         scene, size, geometry = stage.view.scene, stage.view.size, stage.geometry
         self._bare = not stage.pinhole
         self._bodies = bodies_of(scene, geometry)
-        self.replaced = () if self._bare else tuple(mesh for body in self._bodies for mesh in body.meshes)
         corners = np.asarray(geometry.positions, float)[geometry.faces]
         group, normals = body_groups(self._bodies, geometry)
         mirror = np.isin(geometry.face_object, np.array(stage.buffers.mirrors) + 1)
@@ -121,7 +123,7 @@ class TrilinearDrawing:
 
     def _line(self, mask: int) -> list[RayLayer]:
         """The layers of light that is written with a mask."""
-        stage, options = self._stage, self._options
+        stage, options = self.stage, self._options
         straight = None
         if options.edges == "straight":
             straight = StraightEdges(options.tessellate, options.slices, options.clip == "scene").pieces
@@ -149,6 +151,11 @@ class TrilinearDrawing:
             layers.append(RayLayer(visibility, coloring, stage.view.size, straight))
         return layers
 
+    @property
+    def replaced(self) -> tuple[int, ...]:
+        """The mirrors and lenses; a ray mesh replaces none."""
+        return () if self._bare else tuple(mesh for body in self._bodies for mesh in body.meshes)
+
     def deformed(self, geometry: Geometry) -> None:
         """Refit the tree."""
         corners = np.asarray(geometry.positions, float)[geometry.faces]
@@ -158,14 +165,14 @@ class TrilinearDrawing:
         self, encoder: wgpu.GPUCommandEncoder, camera: Camera | RayMesh, shift: tuple[float, float]
     ) -> Generator[None, None, wgpu.GPUCommandEncoder]:
         """Plan what each ray triangle sees, find it for each pixel, and colour it, in steps."""
-        recorder = self._stage.recorder
-        size, projection = self._stage.view.size, self._stage.projection
+        recorder = self.stage.recorder
+        size, projection = self.stage.view.size, self.stage.projection
         if not self._bare and not self._bodies:
             return encoder
         if isinstance(camera, RayMesh):
             lines = [camera_triangles(camera)]
         else:
-            lines = body_triangles(self._bodies, self._stage.geometry, camera.eye(size), self._options.dispersion)
+            lines = body_triangles(self._bodies, self.stage.geometry, camera.eye(size), self._options.dispersion)
         for number, (unmoved, layers) in enumerate(zip(lines, self._lines, strict=False)):
             rays = replace(unmoved, picture=unmoved.picture - unmoved.picture[..., 2:] * [*shift, 0.0])
             beams = yield from layers[0].beams(rays, self._triangles)
@@ -182,12 +189,6 @@ class TrilinearDrawing:
                 planned.append(follows)
             self._planned = planned if number == 0 else self._planned
         return encoder
-
-    def complete(self, target: Target, camera: Camera | RayMesh, shift: tuple[float, float]) -> None:
-        """There is nothing to mend."""
-
-    def prepare_seen(self, encoder: wgpu.GPUCommandEncoder) -> None:
-        """What is seen has been found already."""
 
     def draw_color(self, render_pass: wgpu.GPURenderPassEncoder) -> None:
         """What the rays see, where it belongs in the picture."""
@@ -212,9 +213,9 @@ class TrilinearDrawing:
         plans = [layer.plan for layer in self._planned]
         return {"pairs": sum(len(plan.pair) for plan in plans), "pieces": sum(len(plan.owner) for plan in plans)}
 
-    def rays(self) -> None:
-        """Pixels' rays are on the device alone."""
-        return None
+    def diagnostics(self) -> Mapping[str, Any]:
+        """The scene's triangles, and what was planned for each layer of the last frame."""
+        return {"triangles": self._triangles, "layers": self._planned}
 
 
 def open_session(view: View, options: Options) -> Session:
@@ -227,7 +228,7 @@ def open_session(view: View, options: Options) -> Session:
     elif options.antialias > 1:
         raise AnamorphError("trilinear: antialias is for exact edges; leave it out, or give edges=exact")
     stage = Stage(view)
-    return DrawingSession(stage, TrilinearDrawing(stage, options), options.antialias)
+    return Session(stage, TrilinearDrawing(stage, options), options.antialias)
 
 
 METHOD = Method(

@@ -3,19 +3,17 @@
 from __future__ import annotations
 
 import math
-from dataclasses import fields, replace
+from dataclasses import replace
 from functools import lru_cache
 from typing import Any
 
-from anamorph.base.errors import AnamorphError
-from anamorph.methods import METHODS, Method, parse
+from anamorph.methods import METHODS, Method, Specification
 from anamorph.scene.model import Scene
 from anamorph.scene.parts import specular_parts
 from anamorph.viewer.controls import OptionControl, option_controls
 from anamorph.viewer.facts import Facts
-from anamorph.viewer.panel import theme
 from anamorph.viewer.panel.fields import Choice, number, text, word
-from anamorph.viewer.panel.sheet import Sheet, button, caption, checkbox, choice, fold, section, wrapped
+from anamorph.viewer.panel.sheet import Sheet, button, caption, checkbox, choice, fold, section
 from anamorph.viewer.panel.wording import size_text
 from anamorph.viewer.state import TRUTH, Aspect, Drawing, Half, State
 
@@ -87,24 +85,14 @@ def space_section(sheet: Sheet, state: State) -> State:
     return replace(state, drawings=frozenset(drawings))
 
 
-def specification(method: Method, options: Any) -> str:
-    """ "NAME[:option=value,...]" with the options that differ from their defaults."""
-    given = [
-        f"{field.name}={str(value).lower() if isinstance(value, bool) else value}"
-        for field in fields(method.options)
-        if (value := getattr(options, field.name)) != field.default
-    ]
-    return f"{method.name}:{','.join(given)}" if given else method.name
-
-
 def method_title(name: str) -> str:
     """What a method is called in lists."""
-    return f"{name} (the truth)" if name == TRUTH else name
+    return f"{name} (the truth)" if name == TRUTH.method.name else name
 
 
 def few_bounces(options: Any, scene: Scene) -> str:
     """What to say of options that follow light over fewer of a scene's mirrors and lenses than the truth does."""
-    shown, true = getattr(options, BOUNCES, None), getattr(METHODS[TRUTH].options(), BOUNCES)
+    shown, true = getattr(options, BOUNCES, None), getattr(TRUTH.options, BOUNCES)
     if shown is None or shown >= true or not _sees_itself(scene):
         return ""
     return f"Follows {shown} mirrors or lenses, the truth {true}: see {BOUNCES} in the options."
@@ -117,15 +105,11 @@ def _sees_itself(scene: Scene) -> bool:
 
 
 def _half(sheet: Sheet, key: str, half: Half, facts: Facts) -> Half:
-    name = half.method.partition(":")[0]
-    chosen = word(sheet, f"{key}/method", "method", name, _methods(facts), getattr(METHODS.get(name), "summary", ""))
-    half = half if chosen == name else replace(half, method=chosen)
+    method = half.method.method
+    chosen = word(sheet, f"{key}/method", "method", method.name, _methods(facts), method.summary)
+    half = half if chosen == method.name else replace(half, method=Specification.parse(chosen))
     half = replace(half, aspect=Aspect(choice(sheet, f"{key}/aspect", half.aspect, ASPECTS)))
-    try:
-        method, options = parse(half.method)
-    except AnamorphError as error:
-        wrapped(str(error), theme.WARNING)
-        return half
+    method, options = half.method.method, half.method.options
     if few := few_bounces(options, facts.scene):
         caption(few)
     if not fold(sheet, f"{key}/options", "Options", False):
@@ -136,7 +120,7 @@ def _half(sheet: Sheet, key: str, half: Half, facts: Facts) -> Half:
         options = replace(options, **{control.name: value})
     if options != method.options() and button(sheet, f"{key}/reset", "Reset the options"):
         options = method.options()
-    return half if options == was else replace(half, method=specification(method, options))
+    return half if options == was else replace(half, method=Specification(method, options))
 
 
 def _methods(facts: Facts) -> tuple[Choice, ...]:

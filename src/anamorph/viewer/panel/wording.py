@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 
+from anamorph.methods.specification import Specification
 from anamorph.viewer.facts import Vector
 from anamorph.viewer.state import TRUTH
 
@@ -47,10 +48,10 @@ def point_text(point: Vector) -> str:
     return ", ".join(number_text(value, 3) for value in point)
 
 
-def method_text(specification: str) -> str:
-    """A method and its options in words, as "NAME[:option=value,...]" specifies them."""
-    name, _, options = specification.partition(":")
-    words = ["truth" if name == TRUTH and not options else name]
+def method_text(specification: Specification) -> str:
+    """A method and its options in words."""
+    name, _, options = str(specification).partition(":")
+    words = ["truth" if specification == TRUTH else name]
     return ", ".join([*words, *(each.replace("=", " ") for each in options.split(",") if each)])
 
 

@@ -13,7 +13,7 @@ from anamorph.bench.thesis.configurations import configuration_scene
 from anamorph.bench.thesis.printed import configurations
 from anamorph.frame import Frame, Status, View
 from anamorph.measure.errors import silhouettes
-from anamorph.methods import parse
+from anamorph.methods import Specification
 from anamorph.methods.trilinear.straight import straight_pieces
 from anamorph.raymesh import RayMesh
 from anamorph.scene.camera import Camera
@@ -25,8 +25,7 @@ NAMES = tuple(configurations())
 
 
 def shown(scene: Scene, camera: RayMesh, specification: str, size: tuple[int, int] = (SIDE, SIDE)) -> Frame:
-    method, options = parse(specification)
-    session = method.open(View(scene, camera, size), options)
+    session = Specification.parse(specification).open(View(scene, camera, size))
     session.draw(camera)
     return session.frame(seen=True)
 

@@ -1,0 +1,80 @@
+"""What a method draws on: the scene on the device, and the eye's projection."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from functools import cached_property
+
+import numpy as np
+
+from anamorph.base.errors import AnamorphError
+from anamorph.frame import View
+from anamorph.gpu.buffers import SceneBuffers, pack_vertices, upload_scene, upload_vertices
+from anamorph.gpu.device import maximum_size
+from anamorph.gpu.drawing import ProjectionUniform, projection_uniform
+from anamorph.gpu.recording import Recorder
+from anamorph.projection import camera_projection
+from anamorph.raymesh import RayMesh
+from anamorph.scene.camera import Camera
+from anamorph.scene.geometry import Geometry, flatten
+
+
+class Stage:
+    """What a method draws on: the scene on the device and the eye's projection.
+
+    Attributes
+    ----------
+    recorder : Recorder
+    pinhole : bool
+        Whether the camera is one. If it is a ray mesh, only the picture's size in the projection means something, and
+        the session leaves all drawing to the method.
+    """
+
+    def __init__(self, view: View) -> None:
+        sides = view.size if isinstance(view.size, Sequence | np.ndarray) else ()
+        if len(sides) != 2 or not all(isinstance(side, int | np.integer) for side in sides):
+            raise AnamorphError(f"size is {view.size}; give two whole numbers of pixels, like (1024, 768)")
+        if min(view.size) < 1 or max(view.size) > maximum_size():
+            width, height = view.size
+            raise AnamorphError(f"size {width}x{height}: give a width and height from 1 to {maximum_size()}")
+        self.view = view
+        self.recorder = Recorder()
+        self.pinhole = not isinstance(view.camera, RayMesh)
+        self.geometry: Geometry = flatten(view.scene)
+        self.buffers: SceneBuffers = upload_scene(view.scene, self.geometry)
+        self.projection: ProjectionUniform = projection_uniform()
+
+    def look(self, camera: Camera | RayMesh, shift: tuple[float, float]) -> None:
+        """Set the projection."""
+        if isinstance(camera, RayMesh) is self.pinhole:
+            raise AnamorphError("camera: is of another kind than the session was opened with; open one for it")
+        eye = self.view.scene.camera if isinstance(camera, RayMesh) else camera
+        self.projection.write(camera_projection(eye, self.view.size, shift), self.view.size)
+
+    @cached_property
+    def _vertices(self) -> np.ndarray:
+        return pack_vertices(self.geometry)
+
+    def deform(self, positions: np.ndarray, normals: np.ndarray) -> None:
+        """Move the vertices, here and on the device. See `Session.deform`."""
+        self.geometry = replace(
+            self.geometry,
+            positions=self._checked("positions", positions, self.geometry.positions),
+            normals=self._checked("normals", normals, self.geometry.normals),
+        )
+        self._vertices["position"], self._vertices["normal"] = self.geometry.positions, self.geometry.normals
+        upload_vertices(self.buffers, self._vertices)
+
+    def _checked(self, name: str, given: np.ndarray, before: np.ndarray) -> np.ndarray:
+        values = np.array(given, np.float32, order="C")
+        if values.shape != before.shape:
+            raise AnamorphError(f"deform: {name} have the shape {values.shape}; give {before.shape}")
+        if not np.isfinite(values).all():
+            raise AnamorphError(f"deform: {name} are not all finite; give numbers")
+        for index in self.buffers.specular:
+            own = slice(*self.geometry.first_vertex[index : index + 2])
+            if not np.array_equal(values[own], before[own]):
+                mesh = self.view.scene.meshes[index].name
+                raise AnamorphError(f"deform: {name} of {mesh!r} differ, which is specular; leave its vertices alone")
+        return values

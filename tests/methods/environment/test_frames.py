@@ -17,7 +17,8 @@ from anamorph.gallery.shapes import icosphere
 from anamorph.gpu import targets
 from anamorph.measure.errors import measure, silhouettes
 from anamorph.methods.environment import cube
-from anamorph.methods.environment.environment import FACES, cube_projections, faces_needed
+from anamorph.methods.environment.cube import FACES, cube_projections
+from anamorph.methods.environment.environment import faces_needed
 from anamorph.optics.ray_meshes import bodies_of
 from anamorph.optics.reflection import reflected_rays, reflector
 from anamorph.rays.caster import Caster

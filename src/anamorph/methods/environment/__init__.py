@@ -7,7 +7,10 @@ Source: Blinn and Newell, "Texture and reflection in computer generated images" 
 | --- | --- | --- |
 | Greene: the cube | six images of the scene, from the middle of a mirror | `cube` |
 | Blinn and Newell: reflection | look up the reflected direction | `environment` |
+| | the same for a shader, also of another method | `cube.wgsl` |
 | in neither | flat mirrors, by the scene drawn from the mirrored eye | a special case of `methods.pervertex` |
 """
 
+from anamorph.methods.environment.cube import CubeMap as CubeMap
+from anamorph.methods.environment.cube import cube_layout as cube_layout
 from anamorph.methods.environment.environment import METHOD as METHOD

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -16,14 +15,11 @@ import wgpu
 
 from anamorph.base.errors import AnamorphError
 from anamorph.frame import View
-from anamorph.gpu.bindings import SAMPLER, STORAGE, bind, layout_of, texture
-from anamorph.gpu.buffers import storage_buffer
-from anamorph.gpu.device import of_device
 from anamorph.gpu.drawing import draw_mesh, make_pipeline
 from anamorph.gpu.shaders import shader_module
-from anamorph.gpu.targets import COLOR_FORMAT, MAP_FORMATS, SEEN_FORMATS, make_texture, map_sampler
+from anamorph.gpu.targets import COLOR_FORMAT, SEEN_FORMATS
 from anamorph.methods.drawing import SpecularDrawing
-from anamorph.methods.environment.cube import make_cube
+from anamorph.methods.environment.cube import FACES, CubeMap, cube_layout
 from anamorph.methods.options import check_options, option
 from anamorph.methods.pervertex.options import Options as PerVertexOptions
 from anamorph.methods.pervertex.pervertex import PerVertexDrawing
@@ -31,7 +27,6 @@ from anamorph.methods.protocol import Method
 from anamorph.methods.session import Session
 from anamorph.methods.stage import Stage
 from anamorph.optics.ray_meshes import Body, bodies_of, rays_of
-from anamorph.projection import UNIFORM_BYTES, Projection, pinhole_projection
 from anamorph.raymesh import RayMesh, RayStatus
 from anamorph.scene.camera import Camera
 from anamorph.scene.model import Glass
@@ -39,18 +34,11 @@ from anamorph.scene.model import Glass
 DEFAULT_FACE = 1024
 """Texels along an edge that a cube map takes at most by itself."""
 
+PLANAR_BOUNCES = 2
+"""How many mirrors a path may meet with planar reflection."""
+
 MARGIN = np.radians(3.0)
 """How far the directions at normals between the vertices may stray beyond those at the vertices."""
-
-FACES = (
-    ((0, 0, -1), (0, 1, 0), (1, 0, 0)),
-    ((0, 0, 1), (0, 1, 0), (-1, 0, 0)),
-    ((1, 0, 0), (0, 0, -1), (0, 1, 0)),
-    ((1, 0, 0), (0, 0, 1), (0, -1, 0)),
-    ((1, 0, 0), (0, 1, 0), (0, 0, 1)),
-    ((-1, 0, 0), (0, 1, 0), (0, 0, -1)),
-)
-"""Right, up and forward of each face of a cube map, as WebGPU orders and orients them."""
 
 
 @dataclass(frozen=True)
@@ -73,12 +61,6 @@ class Options:
     update: str = option("always", choices=("always", "once"))
     face: int = option(0, low=0, high=4096, unit="texels")
     antialias: int = option(1, choices=(1, 4))
-
-
-def cube_projections(center: np.ndarray, near: float) -> list[Projection]:
-    """The six views of a cube map around `center`."""
-    axes = np.array(FACES, float)
-    return [pinhole_projection(center, forward, right, up, near) for right, up, forward in axes]
 
 
 def face_size(rays: RayMesh) -> int:
@@ -110,41 +92,17 @@ def faces_needed(rays: RayMesh) -> list[int]:
     return needed
 
 
-@of_device
-def _stand_in() -> wgpu.GPUTexture:
-    return make_texture((1, 1), MAP_FORMATS[0])
-
-
 class _CubeReflector:
     """One mirror, of one or more meshes, and the cube map around it."""
 
-    def __init__(self, stage: Stage, body: Body, options: Options, layout: wgpu.GPUBindGroupLayout) -> None:
+    def __init__(self, stage: Stage, body: Body, options: Options) -> None:
         self.indices, self._body = body.meshes, body
         (side,) = body.sides
         low, high = side.optics.positions.min(axis=0), side.optics.positions.max(axis=0)
         rays, owner = self.rays(stage.view.pinhole, stage.view.size), stage.geometry.face_object[side.triangles]
         parts = (replace(rays, faces=rays.faces[owner == each]) for each in side.objects)
         size = options.face or max(face_size(part) for part in parts)
-        self.maps = make_cube(size)
-        projections = cube_projections((low + high) / 2.0, near=1e-3 * float(np.linalg.norm(high - low)))
-        for face, projection in zip(self.maps, projections, strict=True):
-            face.projection.write(projection, (size, size))
-        uniforms = np.concatenate([projection.uniform((size, size)) for projection in projections])
-        assert uniforms.nbytes == 6 * UNIFORM_BYTES
-        resources = [
-            storage_buffer(uniforms),
-            self.maps[0].color.textures[0].create_view(dimension="cube"),
-            map_sampler(),
-        ]
-        # Colours need no depths, which take twice their memory: until they are asked for, one texel stands in.
-        self.group = bind(layout, [*resources, _stand_in().create_view(dimension="2d-array")])
-        self._layout, self._resources = layout, resources
-
-    @cached_property
-    def seen_group(self) -> wgpu.GPUBindGroup:
-        """Its maps with their depths, which are made now."""
-        depth = self.maps[0].depth().textures[0].create_view(dimension="2d-array")
-        return bind(self._layout, [*self._resources, depth])
+        self.map = CubeMap((low + high) / 2.0, size, near=1e-3 * float(np.linalg.norm(high - low)))
 
     def rays(self, camera: Camera, size: tuple[int, int]) -> RayMesh:
         """Its ray mesh."""
@@ -157,23 +115,16 @@ class CubeDrawing(SpecularDrawing):
     def __init__(self, stage: Stage, options: Options) -> None:
         super().__init__(stage)
         self._options = options
-        layout = layout_of(STORAGE, texture("cube"), SAMPLER, texture("2d-array", filterable=False))
         bodies = bodies_of(stage.view.scene, stage.geometry)
-        self._reflectors = [_CubeReflector(stage, body, options, layout) for body in bodies]
+        self._reflectors = [_CubeReflector(stage, body, options) for body in bodies]
         self._drawn = False
         module = shader_module("methods/environment/environment.wgsl")
+        groups = (cube_layout(),)
         self._color = make_pipeline(
-            module,
-            "scene_vertex",
-            "environment_color",
-            (COLOR_FORMAT,),
-            groups=(layout,),
-            samples=options.antialias,
-            cull="back",
-        )
-        self._seen = make_pipeline(
-            module, "scene_vertex", "environment_seen", SEEN_FORMATS, groups=(layout,), cull="back"
-        )
+            module, "scene_vertex", "environment_color", (COLOR_FORMAT,),
+            groups=groups, samples=options.antialias, cull="back",
+        )  # fmt: skip
+        self._seen = make_pipeline(module, "scene_vertex", "environment_seen", SEEN_FORMATS, groups=groups, cull="back")
 
     def prepare(self, encoder: wgpu.GPUCommandEncoder, camera: Camera, shift: tuple[float, float]) -> None:
         """Draw each mirror's cube map, all of it once, or every time the faces that the frame needs."""
@@ -183,23 +134,21 @@ class CubeDrawing(SpecularDrawing):
             faces = set(range(6))
             if self._options.update == "always":
                 faces = set(faces_needed(item.rays(camera, self.stage.view.size)))
-            for face in sorted(faces):
-                item.maps[face].draw_color(encoder, self.stage.buffers, item.indices)
+            item.map.draw_color(encoder, self.stage.buffers, item.indices, sorted(faces))
         self._drawn = True
 
     def prepare_seen(self, encoder: wgpu.GPUCommandEncoder) -> None:
         """Draw what the cube maps see, for the seen buffers."""
         for item in self._reflectors:
-            for face in item.maps:
-                face.draw_depth(encoder, self.stage.buffers, item.indices)
+            item.map.draw_depth(encoder, self.stage.buffers, item.indices)
 
     def draw_color(self, render_pass: wgpu.GPURenderPassEncoder) -> None:
         """The mirrors, with their cube maps."""
-        self._draw(render_pass, self._color, [item.group for item in self._reflectors])
+        self._draw(render_pass, self._color, [item.map.group for item in self._reflectors])
 
     def draw_seen(self, render_pass: wgpu.GPURenderPassEncoder) -> None:
         """The mirrors' seen buffers."""
-        self._draw(render_pass, self._seen, [item.seen_group for item in self._reflectors])
+        self._draw(render_pass, self._seen, [item.map.seen_group for item in self._reflectors])
 
     def _draw(
         self,
@@ -215,7 +164,7 @@ class CubeDrawing(SpecularDrawing):
 
     def diagnostics(self) -> Mapping[str, Any]:
         """The cube map of each reflector, face by face."""
-        return {"maps": [item.maps for item in self._reflectors]}
+        return {"maps": [item.map.faces for item in self._reflectors]}
 
 
 def _check_flat(view: View) -> None:
@@ -243,7 +192,7 @@ def open_session(view: View, options: Options) -> Session:
         _check_flat(view)
         # The mirrored eye is the one point that all lines of a flat mirror share, and its picture needs no warp but
         # the projective one that per-vertex reflection does.
-        planar = PerVertexDrawing(stage, PerVertexOptions(antialias=options.antialias))
+        planar = PerVertexDrawing(stage, PerVertexOptions(antialias=options.antialias, bounces=PLANAR_BOUNCES))
         return Session(stage, planar, options.antialias)
     return Session(stage, CubeDrawing(stage, options), options.antialias)
 

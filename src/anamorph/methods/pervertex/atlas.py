@@ -87,7 +87,7 @@ class MapView:
 def arrange(sizes: Sequence[tuple[int, int]], widest: int) -> tuple[list[tuple[int, int]], tuple[int, int]]:
     """Corners of rectangles of `sizes` on shelves no wider than `widest`, and the room that they all take."""
     area = sum(width * height for width, height in sizes)
-    longest = max(width for width, _ in sizes)
+    longest = max((width for width, _ in sizes), default=0)
     limit = min(max(longest, int(1.1 * np.sqrt(area))), widest)
     corners = [(0, 0)] * len(sizes)
     x = y = shelf = right = 0
@@ -151,7 +151,8 @@ class Atlas:
         for view, corner, uniform in zip(self.views, self.corners, self._uniforms, strict=False):
             self.projections.append(view.projection.uniform(view.size, corner))
             get_device().queue.write_buffer(uniform.buffer, 0, self.projections[-1])
-        too_small = any(have < want for have, want in zip(self._size, needed, strict=True))
+        # Without a map there is a texture still, because shaders bind one.
+        too_small = any(have < max(want, 1) for have, want in zip(self._size, needed, strict=True))
         if not too_small and self._size[0] * self._size[1] < 4 * max(needed[0] * needed[1], 256 * 256):
             return False
         self._make([min(int(SPARE * side) // ALIGNMENT * ALIGNMENT + ALIGNMENT, widest) for side in needed])

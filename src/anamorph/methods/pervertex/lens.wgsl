@@ -5,6 +5,9 @@
 // A flag of a triangle: it has lookups and rays for green, red and blue.
 const THREE_COLORS = 4u;
 
+// Another: the path ends at the lens.
+const ENDS = 8u;
+
 struct RefractorFragment {
     @builtin(position) @invariant pixel: vec4f,
     // Object number and flags.
@@ -57,6 +60,7 @@ const LEAVES = 0u;
 const LEFT_BY_EDGE = 1u;
 const TOTAL = 2u;
 const LOST = 3u;
+const ENDED = 4u;
 
 fn from_axis(fragment: RefractorFragment) -> vec3f {
     let offset = fragment.origin_green.xyz - fragment.middle.xyz;
@@ -66,6 +70,9 @@ fn from_axis(fragment: RefractorFragment) -> vec3f {
 fn way_of(fragment: RefractorFragment, start: Place) -> u32 {
     if length(from_axis(fragment)) > fragment.axis.w {
         return LEFT_BY_EDGE;
+    }
+    if (fragment.object.y & ENDS) != 0u {
+        return ENDED;
     }
     if fragment.direction_green.w > 0.0 {
         return TOTAL;
@@ -99,7 +106,7 @@ fn refracted_color(fragment: RefractorFragment) -> vec4f {
     if way == LEFT_BY_EDGE || way == TOTAL {
         let cosine = dot(normalize(viewing_direction(fragment.pixel.xy)), normalize(fragment.normal));
         return vec4f(glass_transmittance(fragment.object.x, cosine) * edge_color(fragment), 1.0);
-    } else if way == LOST {
+    } else if way == LOST || way == ENDED {
         color = sky_color(fragment.direction_green.xyz, projection.base.w);
     }
     return vec4f(fragment.origin_green.w * lens_tint(fragment.object.x) * color, 1.0);
@@ -131,6 +138,7 @@ fn refracted(fragment: RefractorFragment) -> Refracted {
         case LEFT_BY_EDGE: { return Refracted(edge, STATUS_WARPED, 0.0); }
         case TOTAL: { return Refracted(edge, STATUS_TOTAL_REFLECTION, 0.0); }
         case LOST: { return Refracted(vec4f(ray.direction, 0.0), STATUS_OUTSIDE, 0.0); }
+        case ENDED: { return Refracted(vec4f(ray.origin, f32(fragment.object.x)) + FRONT, STATUS_OUTSIDE, 0.0); }
         default: {}
     }
     let found = find(start, ray);

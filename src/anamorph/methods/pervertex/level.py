@@ -21,7 +21,7 @@ from anamorph.optics.ray_meshes import BodyRays
 from anamorph.projection import UNIFORM_BYTES
 from anamorph.raymesh import RayStatus
 
-SMOOTH, THREE_COLORS = 1, 4
+SMOOTH, THREE_COLORS, ENDS = 1, 4, 8
 """Flags of a triangle, as the shaders read them."""
 
 NOWHERE = (0.5, 0.5, 1.0, 0.0)
@@ -103,8 +103,18 @@ class Level:
             contents.clear()
         self._triangle_count = self._data_count = 0
 
-    def add(self, body_rays: BodyRays, faces: np.ndarray, plan: MapPlan | None, views: range) -> PatchDraw:
-        """Add a patch: the `faces` of a body, which show the maps of the numbers `views`; or, without a plan, none."""
+    def add(
+        self,
+        body_rays: BodyRays,
+        faces: np.ndarray,
+        plan: MapPlan | None,
+        views: range,
+        bounces: int | None = None,
+    ) -> PatchDraw:
+        """Add a patch: the `faces` of a body, which show the maps of the numbers `views`; or, without a plan, none.
+
+        With `bounces` it is a lens that ends the paths, because they may meet that many interfaces and no more.
+        """
         if plan is None:
             lookups = np.broadcast_to(NOWHERE, (1 + len(body_rays.others), len(faces), 3, 4))
         else:
@@ -114,12 +124,17 @@ class Level:
             data = np.concatenate([data[:, :, :, None], corner_rays(body_rays, faces)], axis=3)
         data = data.reshape(len(faces), -1, 4)
         if body_rays.side.refracts:
-            data = np.concatenate([np.broadcast_to(body_rays.side.lens_edge(), (len(faces), 2, 4)), data], axis=1)
+            edge = body_rays.side.lens_edge()
+            if bounces == 0:
+                # The path does not even enter, and so meets no edge from within.
+                edge[1, 3] = np.inf
+            data = np.concatenate([np.broadcast_to(edge, (len(faces), 2, 4)), data], axis=1)
         flags = np.where(body_rays.side.smooth[faces], SMOOTH, 0) | (THREE_COLORS if len(lookups) > 1 else 0)
+        flags |= 0 if bounces is None else ENDS
         first = self._data_count + data.shape[1] * np.arange(len(faces))
         triangles = np.stack([body_rays.side.triangles[faces], flags, first, np.zeros_like(first)], axis=1)
         cube = () if plan is None else plan.cube
-        sides = 1 if cube else len(views)
+        sides = 1 if cube else max(len(views), 1)
         draw = PatchDraw(
             len(self._patches), self._triangle_count, len(faces), body_rays.side.refracts, sides, bool(cube)
         )
@@ -133,7 +148,9 @@ class Level:
         return draw
 
     def place(self) -> None:
-        """Lay out the maps, and hand all over to the device."""
+        """Lay out the maps, and hand all over to the device, where there is anything."""
+        if not self._patches:
+            return
         made = self.atlas.place(self.views)
         self.views = self.atlas.views
         contents = [np.concatenate(self._triangles), np.concatenate(self._data)]
@@ -158,6 +175,8 @@ class Level:
         maps = np.zeros((len(self._patches), STRIDE // 4), np.float32)
         for row, (views, faces) in zip(maps, self._patches, strict=True):
             slots = row[: MOST_VIEWS * UNIFORM_BYTES // 4].reshape(MOST_VIEWS, -1)
+            if not views:
+                continue
             words = np.stack([self.atlas.projections[view] for view in views])
             if faces:
                 # All faces tell the viewpoint; nothing has a place in those that are not drawn.

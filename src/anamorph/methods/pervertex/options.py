@@ -33,7 +33,7 @@ class Options:
         What is drawn for such a body: "patches", into which it is divided, with a map each, or "cube", a cube map at
         its virtual viewpoint. Where there is no such point behind it, it is divided all the same.
     bounces : int
-        How many specular surfaces a path may meet: mirrors in mirrors.
+        How many specular interfaces a path may meet: a mirror is one, a lens is two.
     refine : int
         Steps that each fragment takes through its map towards what its own ray meets; 0 is the paper.
     start : str
@@ -55,7 +55,7 @@ class Options:
     align: bool = True
     field: float = option(100.0, low=1.0, high=150.0, unit="degrees")
     wide: str = option("patches", choices=("patches", "cube"))
-    bounces: int = option(2, low=1, high=MAXIMUM_BOUNCES)
+    bounces: int = option(3, low=1, high=MAXIMUM_BOUNCES)
     refine: int = option(0, low=0, high=16)
     start: str = option("vertices", choices=("vertices", "direction"))
     tolerance: float = option(0.0, low=0.0, unit="pixels")

@@ -29,7 +29,7 @@ from anamorph.methods.pervertex.level import Level, level_layout
 from anamorph.methods.pervertex.marks import Marks
 from anamorph.methods.pervertex.mend import Mender, doubtful_tiles
 from anamorph.methods.pervertex.options import Options
-from anamorph.methods.pervertex.pictures import Picture, Pictures
+from anamorph.methods.pervertex.pictures import Picture, Pictures, interfaces
 from anamorph.methods.pervertex.surroundings import Surroundings, surroundings_of
 from anamorph.methods.protocol import Method
 from anamorph.methods.session import Session
@@ -72,7 +72,8 @@ class PerVertexDrawing(SpecularDrawing):
         self._options = options
         bodies = bodies_of(stage.view.scene, stage.geometry)
         self._surroundings = surroundings = surroundings_of(stage.geometry, bodies)
-        levels = options.bounces if len(bodies) > 1 else 1
+        lenses = any(interfaces(body) > 1 for body in bodies)
+        levels = options.bounces + lenses if len(bodies) > 1 else 1
         layout = level_layout()
         self._levels = [
             Level(stage.buffers, layout, options.antialias, options.mipmaps, ends=number + 1 < levels)

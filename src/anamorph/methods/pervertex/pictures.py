@@ -16,6 +16,7 @@ import wgpu
 from anamorph.gpu.buffers import SceneBuffers
 from anamorph.gpu.device import maximum_size
 from anamorph.methods.pervertex.atlas import MapKind, MapView
+from anamorph.methods.pervertex.division import seen_faces
 from anamorph.methods.pervertex.level import Level, PatchDraw
 from anamorph.methods.pervertex.options import Options
 from anamorph.methods.pervertex.seen import Seen, seen_body
@@ -69,7 +70,7 @@ class Pictures:
     surroundings : Surroundings
     bodies : tuple of Body
     levels : sequence of Level
-        One for each bounce.
+        As many as there are maps in maps at most.
     options : Options
     draw : callable
         Draws a picture into a pass.
@@ -109,10 +110,9 @@ class Pictures:
         key = (*eye.point, *eye.matrix.ravel())
         if key != self._eye:
             self._eye, self._rays = key, [rays_of(body, eye) for body in self._bodies]
-        picture = self._seen_by(eye, self._levels, self._rays, position, extra)
+        picture = self._seen_by(eye, self._levels, self._options.bounces, self._rays, position, extra)
         for level in self._levels:
-            if level.views:
-                level.place()
+            level.place()
         return picture
 
     def figures(self) -> dict[str, float]:
@@ -139,23 +139,32 @@ class Pictures:
         self,
         eye: Eye,
         levels: Sequence[Level],
+        bounces: int,
         rays: Sequence[BodyRays],
         position: np.ndarray | None = None,
         extra: Extra | None = None,
     ) -> Picture | None:
-        """Plan what an eye sees by the maps of the first of `levels`, in which the others are seen."""
+        """Plan what an eye sees by the maps of the first of `levels`, in which the others are seen.
+
+        Its paths may meet `bounces` more interfaces; a body that has more ends them.
+        """
         level, draws, found = levels[0], [], []
         options, most = self._options, np.inf
         if level is not self._levels[0]:
             options, most = replace(options, field=max(options.field, INNER_FIELD)), MOST_INNER
         for body_rays in rays:
+            after = bounces - interfaces(body_rays.body)
+            if after < 0:
+                faces = seen_faces(body_rays.rays, eye.size)
+                draws += [level.add(body_rays, faces, None, range(0), bounces)] if len(faces) else []
+                continue
             left = most - len(level.views)
             seen = seen_body(body_rays, eye.size, position, self._surroundings, options, left)
             if not seen.plans:
                 continue
             for faces, plan in zip(seen.patches, seen.plans, strict=True):
                 numbers = range(len(plan.projections))
-                views = [self._view(body_rays.body, plan, number, levels[1:], extra) for number in numbers]
+                views = [self._view(body_rays.body, plan, number, levels[1:], after, extra) for number in numbers]
                 first = len(level.views)
                 level.views.extend(views)
                 texels = sum(view.size[0] * view.size[1] for view in views)
@@ -171,20 +180,25 @@ class Pictures:
         width, height = (int(np.clip(self._options.resolution * side, LEAST, largest)) for side in texels)
         return width, height
 
-    def _view(self, body: Body, plan: MapPlan, number: int, inside: Sequence[Level], extra: Extra | None) -> MapView:
-        """One map of a plan, with what other bodies show in it by the maps of the levels `inside`."""
+    def _view(
+        self, body: Body, plan: MapPlan, number: int, inside: Sequence[Level], bounces: int, extra: Extra | None
+    ) -> MapView:
+        """One map of a plan, with what other bodies show in it by the maps of the levels `inside`.
+
+        Where paths may meet no more `bounces`, the scene's own drawing ends them at mirrors. It leaves out lenses,
+        which are drawn to end them as well.
+        """
         projection, size = plan.projections[number], self._size(plan.texels[number])
         visible = self._surroundings.visible(projection.clip)
         visible[list(body.meshes)] = False
         inner = None
-        if inside:
+        shown = [other for other in self._bodies if other is not body and (bounces > 0 or interfaces(other) > 1)]
+        if shown:
             eye = plan.eye(number, size)
             others = [
-                other
-                for other in self._bodies
-                if other is not body and visible[list(other.meshes)].any() and _extent(other, eye) >= LEAST_SEEN
+                other for other in shown if visible[list(other.meshes)].any() and _extent(other, eye) >= LEAST_SEEN
             ]
-            inner = self._seen_by(eye, inside, [rays_of(other, eye) for other in others])
+            inner = self._seen_by(eye, inside, bounces, [rays_of(other, eye) for other in others])
         extras: list[Extra] = [] if inner is None else [partial(self._draw, inner)]
         extras += [] if extra is None else [extra]
         return MapView(
@@ -195,6 +209,11 @@ class Pictures:
             sky=not plan.reversed(number),
             extra=partial(_each, extras) if extras else None,
         )
+
+
+def interfaces(body: Body) -> int:
+    """How many specular interfaces light meets at a body: one at a mirror, and the two sides of a lens."""
+    return len(body.sides)
 
 
 def _each(extras: Sequence[Extra], kind: MapKind, render_pass: wgpu.GPURenderPassEncoder) -> None:

@@ -44,7 +44,7 @@ class Options:
         "surface": rays bend at the exact surface, or for a plain mesh at its interpolated normal. "raymesh": the
         vertex rays of a mirror's or a lens's ray mesh are interpolated; not with a ray mesh as the camera.
     bounces : int
-        How many specular surfaces a path may meet.
+        How many specular interfaces a path may meet: a mirror is one, a lens is two.
     dispersion : bool
         Whether red and blue light goes its own way through glass that has an Abbe number. Seen buffers are green's.
     tree : str

@@ -348,7 +348,8 @@ def advance(
         if passes:
             near = paths.distance[i] * (1.0 + 1e-6) + world.near
         else:
-            far = _far_face(rays, item, face) if outside else 0
+            both = outside and paths.bounces[i] + 2 <= world.max_bounces
+            far = _far_face(rays, item, face) if both else 0
             origin, direction, share, crosses = _bend(
                 world, item, face, origin, direction, paths.distance[i], rays, far
             )

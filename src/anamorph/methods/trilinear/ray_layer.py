@@ -127,10 +127,16 @@ class RayLayer:
             rays.picture[shown], rays.origins[shown], rays.directions[shown], triangles.corners, plan.pair[:, :2]
         )
 
-    def follow(self, before: LayerPlan, triangles: SceneTriangles) -> Generator[None, None, LayerPlan | None]:
-        """Take over the rays that mirrors send on which the layer before sees; None where it sees none."""
+    def follow(
+        self, before: LayerPlan, triangles: SceneTriangles, bounces: int
+    ) -> Generator[None, None, LayerPlan | None]:
+        """Take over the rays that mirrors send on which the layer before sees; None where it sees none.
+
+        Rays that have met `bounces` interfaces are not followed.
+        """
         pair = before.plan.pair
-        chosen = np.flatnonzero((pair[:, 2] == 1) & triangles.mirror[pair[:, 1]])
+        goes_on = before.records["met"][before.beams.number] < bounces
+        chosen = np.flatnonzero((pair[:, 2] == 1) & triangles.mirror[pair[:, 1]] & goes_on[pair[:, 0]])
         box, pixels = seen_pixels(before.plan, chosen)
         chosen, box = chosen[pixels > 0], box[pixels > 0]
         if not len(chosen):

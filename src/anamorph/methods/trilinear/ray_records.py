@@ -28,10 +28,13 @@ RAY_TRIANGLE = np.dtype(
         ("anchor", "f4", 3), ("share_y", "f4"),
         ("incident_x", "f4", 3), ("share_one", "f4"),
         ("incident_y", "f4", 3), ("lens", "u4"),
-        ("incident_one", "f4", 3), ("total", "u4"),
-        ("before", "u4"), ("through", "u4"), ("first", "u4"), ("padding", "u4"),
+        ("incident_one", "f4", 3), ("inner", "u4"),
+        ("before", "u4"), ("through", "u4"), ("first", "u4"), ("met", "u4"),
     ]
 )  # fmt: skip
+
+TOTAL, ENDS = np.uint32(1), np.uint32(2)
+"""What happens in a lens, where light does not go through: reflection is total, or the path ends."""
 
 SPECULAR = np.uint32(0x80000000)
 """What marks the front of a specular surface among the triangles seen."""
@@ -44,7 +47,8 @@ def triangle_records(rays: RayTriangles, beams: Beams) -> np.ndarray:
     for corner in range(3):
         records[f"corner_{corner}"] = rays.picture[:, corner]
     records["face"], records["object"], records["first"] = np.maximum(rays.face, 0), rays.object, rays.object
-    records["lens"], records["total"] = rays.lens, rays.total
+    records["lens"], records["inner"] = rays.lens, np.where(rays.total, TOTAL, np.uint32(0))
+    records["met"] = np.where(rays.lens > 0, 2, np.where(rays.object > 0, 1, 0))
     shown = beams.number
     records["number"][shown] = shown + 1
     records["anchor"][shown] = beams.anchor
@@ -56,6 +60,16 @@ def triangle_records(rays: RayTriangles, beams: Beams) -> np.ndarray:
         records[f"scale_{name}"][shown] = beams.scale[:, term]
         records[f"share_{name}"][shown] = share[:, term]
     return records
+
+
+def going_on(beams: Beams, records: np.ndarray, bounces: int) -> Beams:
+    """The beams of the rays that have met no more than `bounces` interfaces; the records of the others say so."""
+    ends = records["met"] > bounces
+    if not ends.any():
+        return beams
+    records["inner"][ends] = ENDS
+    kept = ~ends[beams.number]
+    return beams._replace(**{name: each[kept] for name, each in beams._asdict().items() if np.ndim(each)})
 
 
 def add_incident(
@@ -95,6 +109,7 @@ def following_records(
     source = sources[before.number[ray_triangle]]
     records["before"], records["through"] = source["number"], pairs["seen"][chosen]
     records["first"] = np.where(source["first"] > 0, source["first"], records["object"])
+    records["met"] = source["met"] + 1
     shown = beams.number
     incoming = before.direction[ray_triangle[shown]]
     moved = beams.center - before.center[ray_triangle[shown]]

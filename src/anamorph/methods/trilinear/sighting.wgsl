@@ -20,7 +20,7 @@ struct RayFragment {
     @location(7) @interpolate(flat) incident_x: vec4f,
     @location(8) @interpolate(flat) incident_y: vec3f,
     @location(9) @interpolate(flat) incident_one: vec3f,
-    // The object number, the ray triangle's own, the lens, and whether reflection in it is total.
+    // The object number, the ray triangle's own, the lens, and what keeps light from going through it.
     @location(10) @interpolate(flat) numbers: vec4u,
     // The first specular surface on the way from the eye.
     @location(11) @interpolate(flat) first: u32,
@@ -40,7 +40,7 @@ fn ray_fragment(clip: vec4f, triangle: RayTriangle, corner: u32) -> RayFragment 
         vec4f(triangle.incident_x, triangle.share_one),
         triangle.incident_y,
         triangle.incident_one,
-        vec4u(triangle.object, triangle.number, triangle.lens, triangle.total),
+        vec4u(triangle.object, triangle.number, triangle.lens, triangle.inner),
         triangle.first,
         normal_of(vertices[indices[3u * triangle.face + corner]]),
     );

@@ -33,7 +33,7 @@ from anamorph.methods.stage import Stage
 from anamorph.methods.trilinear.box_tree import make_tree, moved_tree
 from anamorph.methods.trilinear.coloring import Coloring, Kind
 from anamorph.methods.trilinear.ray_layer import LayerPlan, RayLayer, SceneTriangles
-from anamorph.methods.trilinear.ray_records import add_incident, triangle_records
+from anamorph.methods.trilinear.ray_records import add_incident, going_on, triangle_records
 from anamorph.methods.trilinear.ray_triangles import body_groups, body_triangles, camera_triangles, lens_edges
 from anamorph.methods.trilinear.straight import StraightEdges
 from anamorph.methods.trilinear.visibility import Visibility, data_layout
@@ -65,8 +65,9 @@ class Options:
         With straight edges, where shapes are cut at the sides of a ray triangle: "scene", so that those of neighbours
         meet (5.2), or "screen" (5.1).
     bounces : int
-        How many mirrors a path may meet; with straight edges one. Where a lens is met after a mirror, or one mirror too
-        many, the path goes on as if nothing followed.
+        How many specular interfaces a path may meet: a mirror is one, a lens is two. With straight edges no mirror is
+        followed after the first mirror or lens. Where a lens is met after a mirror, or one interface too many, the path
+        goes on as if nothing followed.
     antialias : int
         Samples a pixel: 1 or 4. Each scene triangle is coloured once a pixel. What mirrors show in mirrors keeps one.
     dispersion : bool
@@ -179,10 +180,11 @@ class TrilinearDrawing(SpecularDrawing):
             records = triangle_records(rays, beams)
             if isinstance(camera, Camera):
                 add_incident(records, beams, camera, size, shift)
+            beams = going_on(beams, records, self._options.bounces)
             planned = [(yield from layers[0].first(rays, beams, records, self._triangles))]
             encoder = yield from layers[0].draw(encoder, recorder, projection, clear=number == 0)
             for layer in layers[1:]:
-                follows = yield from layer.follow(planned[-1], self._triangles)
+                follows = yield from layer.follow(planned[-1], self._triangles, self._options.bounces)
                 if follows is None:
                     break
                 encoder = yield from layer.draw(encoder, recorder, projection, clear=False)

@@ -51,7 +51,7 @@ fn transmitted(fragment: RayFragment, sighting: Sighting) -> vec3f {
 
 // The light of a colour that is seen, as it reaches the eye.
 fn arriving(fragment: RayFragment, sighting: Sighting, color: vec3f) -> vec4f {
-    if GLASS && fragment.numbers.z > 0u && (by_edge(fragment, sighting) || fragment.numbers.w > 0u) {
+    if GLASS && fragment.numbers.z > 0u && (by_edge(fragment, sighting) || fragment.numbers.w == TOTAL) {
         let cosine = dot(incident(fragment), normalize(fragment.normal));
         let edge = edge_color(lenses[fragment.numbers.z - 1u], sighting.ray);
         return vec4f(glass_transmittance(fragment.numbers.x, cosine) * edge, 1.0);
@@ -107,9 +107,12 @@ fn end_of(fragment: RayFragment, sighting: Sighting) -> End {
     if !is_own(fragment) {
         return End(nowhere, STATUS_OUTSIDE);
     }
-    if GLASS && fragment.numbers.z > 0u && (by_edge(fragment, sighting) || fragment.numbers.w > 0u) {
+    if GLASS && fragment.numbers.z > 0u && (by_edge(fragment, sighting) || fragment.numbers.w == TOTAL) {
         let edge = vec4f(sighting.ray.origin, lenses[fragment.numbers.z - 1u].middle.w);
         return End(edge, select(STATUS_TOTAL_REFLECTION, STATUS_PROJECTED, by_edge(fragment, sighting)));
+    }
+    if GLASS && fragment.numbers.w == ENDS {
+        return End(vec4f(sighting.ray.origin, f32(fragment.numbers.x)), STATUS_OUTSIDE);
     }
     if sighting.triangle == 0u {
         return End(nowhere, STATUS_SKY);

@@ -68,17 +68,21 @@ struct RayTriangle {
     incident_x: vec3f,
     share_one: f32,
     incident_y: vec3f,
-    // The row of the lens, from 1, and 1 where reflection in it is total; 0 for a mirror.
+    // The row of the lens, from 1, or 0 for a mirror; and what keeps light from going through it: TOTAL or ENDS, or 0.
     lens: u32,
     incident_one: vec3f,
-    total: u32,
+    inner: u32,
     // The ray triangle whose rays it sends on, and what that has to see for it; 0 for none.
     before: u32,
     through: u32,
     // The object number of the first specular surface on the way from the eye.
     first: u32,
-    padding: u32,
+    // How many specular interfaces the path has met.
+    met: u32,
 }
+
+const TOTAL = 1u;
+const ENDS = 2u;
 
 @group(2) @binding(0) var<storage, read> vertices: array<StoredVertex>;
 @group(2) @binding(1) var<storage, read> indices: array<u32>;

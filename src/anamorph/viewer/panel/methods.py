@@ -37,7 +37,7 @@ SPREAD = 50.0
 UNIT_SIGNS = {"degrees": "°", "pixels": "px"}
 
 BOUNCES = "bounces"
-"""What methods call the option of how many mirrors and lenses a path may meet."""
+"""What methods call the option of how many mirrors and faces of lenses a path may meet."""
 
 cached_options = lru_cache(maxsize=32)(option_controls)
 """A method's options; they are the same at every frame."""
@@ -91,11 +91,13 @@ def method_title(name: str) -> str:
 
 
 def few_bounces(options: Any, scene: Scene) -> str:
-    """What to say of options that follow light over fewer of a scene's mirrors and lenses than the truth does."""
+    """What to say of options that follow light over fewer mirrors and faces of lenses than the truth does."""
     shown, true = getattr(options, BOUNCES, None), getattr(TRUTH.options, BOUNCES)
     if shown is None or shown >= true or not _sees_itself(scene):
         return ""
-    return f"Follows {shown} mirrors or lenses, the truth {true}: see {BOUNCES} in the options."
+    return (
+        f"Follows light over {shown} mirrors or faces of lenses, the truth over {true}: see {BOUNCES} in the options."
+    )
 
 
 @lru_cache(maxsize=4)

@@ -11,6 +11,8 @@ from pathlib import Path
 
 import pytest
 
+from anamorph.methods.registry import OWN
+
 ROOT = Path(__file__).resolve().parents[1]
 PACKAGE = ROOT / "src" / "anamorph"
 MODULES = sorted(PACKAGE.rglob("*.py"))
@@ -28,8 +30,6 @@ LOWEST = ("base", "surfaces", "scene")
 
 NOT_BELOW = {"argparse", "OCP", "embreex", "wgpu", "rendercanvas", "imgui_bundle", "uvicorn"}
 """The command line, CAD, rays and the viewer: the lowest rooms know nothing of them."""
-
-METHODS = ("raytrace", "environment", "pervertex", "trilinear")
 
 ACROSS = {("environment", "pervertex")}
 """Methods that import another: planar reflection is a special case of per-vertex reflection."""
@@ -95,24 +95,24 @@ def test_no_modules_import_each_other_in_a_circle() -> None:
     graphlib.TopologicalSorter(graph).prepare()
 
 
-@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("method", OWN)
 def test_no_method_imports_another(method: str) -> None:
     sources = [path.read_text() for path in (PACKAGE / "methods" / method).rglob("*.py")]
     others = {name for source in sources for name in imported_places(source) if name[0] == "methods"}
-    assert {(method, name[1]) for name in others if name[1:] and name[1] in METHODS and name[1] != method} <= ACROSS
+    assert {(method, name[1]) for name in others if name[1:] and name[1] in OWN and name[1] != method} <= ACROSS
 
 
 @pytest.mark.parametrize("name", ["measure", "viewer", "bench", "cli"])
 def test_a_room_is_entered_by_its_door(name: str) -> None:
     """What is not a method takes of a method, and of the tracer, only what the room's `__init__.py` offers."""
-    rooms = (*METHODS, "tracing")
+    rooms = (*OWN, "tracing")
     inside = {("methods", here, path.stem) for here in rooms for path in (PACKAGE / "methods" / here).iterdir()}
     for module in (PACKAGE / name).rglob("*.py"):
         taken = {place[:3] for place in imported_places(module.read_text())} & inside
         assert not taken, f"{module} imports {taken}"
 
 
-@pytest.mark.parametrize("name", [*METHODS, "tracing"])
+@pytest.mark.parametrize("name", [*OWN, "tracing"])
 def test_the_door_of_a_room_names_all_that_is_inside(name: str) -> None:
     door = ast.get_docstring(ast.parse((PACKAGE / "methods" / name / "__init__.py").read_text()))
     inside = {path.stem for path in (PACKAGE / "methods" / name).iterdir() if not path.name.startswith("__")}

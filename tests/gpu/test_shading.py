@@ -21,6 +21,7 @@ from anamorph.gpu.drawing import draw_mesh, make_pipeline, submit
 from anamorph.gpu.shaders import shader_module
 from anamorph.gpu.targets import begin_pass, make_target, read_texture
 from anamorph.gpu.textures import mip_levels
+from anamorph.methods import METHODS
 from anamorph.methods.stage import Stage
 from anamorph.projection import camera_projection
 from anamorph.scene.camera import Camera
@@ -136,7 +137,7 @@ def test_textures_are_decoded_from_srgb_and_blended_in_linear_light():
     assert frame.color[seen] == pytest.approx(expected, abs=8e-3)
 
 
-@pytest.mark.parametrize("method", ["pervertex", "raytrace"])
+@pytest.mark.parametrize("method", METHODS)
 def test_two_textures_of_different_shapes_keep_apart(method):
     plain = [np.full(shape, 255, np.uint8) for shape in ((2, 8, 4), (16, 4, 4))]
     plain[0][..., :3], plain[1][..., :3] = (200, 30, 30), (30, 30, 200)
@@ -224,7 +225,7 @@ def test_srgb_curves_undo_each_other_and_are_the_standards():
     assert decode_srgb(np.array([0.0, 0.04045, 0.5, 1.0])) == pytest.approx([0.0, 0.0031308, 0.2140411, 1.0], abs=1e-6)
 
 
-@pytest.mark.parametrize("method", ["pervertex", "raytrace", "environment"])
+@pytest.mark.parametrize("method", METHODS)
 def test_the_skys_gradient(method):
     sky = Sky(zenith=(0.1, 0.2, 0.9), horizon=(0.8, 0.7, 0.6), nadir=(0.3, 0.2, 0.1))
     away = replace(quad(), positions=quad().positions + np.float32([0, 0, 50]))

@@ -16,6 +16,8 @@ from anamorph.gpu.device import get_device
 from anamorph.gpu.drawing import color_pipelines, draw_depth, draw_scene, submit
 from anamorph.gpu.targets import COLOR_FORMAT, begin_depth_pass, begin_pass, make_target
 from anamorph.methods import METHODS, Session, Specification, session
+from anamorph.methods.pervertex.pervertex import Options, PerVertexDrawing
+from anamorph.methods.stage import Stage
 
 ON_THE_PROCESSOR = ["prepare", "record", "mend"]
 
@@ -46,7 +48,7 @@ def test_every_method_tells_phases_that_its_frame_has_room_for(specification: st
 
 
 def test_each_phase_is_what_it_is_called_after(monkeypatch: pytest.MonkeyPatch) -> None:
-    drawn, view = opened("pervertex")
+    _, view = opened("pervertex")
     seconds = 0.0
 
     class Slow:
@@ -61,7 +63,9 @@ def test_each_phase_is_what_it_is_called_after(monkeypatch: pytest.MonkeyPatch) 
             return getattr(self._drawing, name)
 
     monkeypatch.setattr(session, "perf_counter", lambda: seconds)
-    monkeypatch.setattr(drawn, "_drawing", Slow(drawn._drawing))
+    stage = Stage(view)
+    slow: Any = Slow(PerVertexDrawing(stage, Options()))
+    drawn = Session(stage, slow)
     drawn.draw(view.pinhole)
     assert drawn.phases() == {"prepare": 2000.0, "record": 3000.0, "mend": 5000.0}
 

@@ -14,7 +14,7 @@ from anamorph.base.errors import AnamorphError
 from anamorph.frame import Status, View
 from anamorph.gallery.shapes import box
 from anamorph.measure.errors import silhouettes
-from anamorph.methods import Specification
+from anamorph.methods import METHODS, Specification
 from anamorph.methods.tracing import tiles
 from anamorph.methods.tracing.paths import specular_rectangle
 from anamorph.rendering import draw_frame
@@ -114,7 +114,7 @@ def test_supersampling_averages_shifted_frames():
     assert np.abs(shifted[0] - shifted[3]).max() > 0.1
 
 
-@pytest.mark.parametrize("name", ["raytrace", "pervertex", "environment"])
+@pytest.mark.parametrize("name", METHODS)
 def test_a_shift_moves_the_sample_points_right_and_down(name):
     session = open_view(CURVED, name)
     session.draw(CAMERA)

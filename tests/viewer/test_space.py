@@ -229,7 +229,9 @@ def test_the_eyes_picture_stands_before_it_and_has_its_shape():
 @pytest.mark.parametrize("stops", [0, 1, 2, 3, 10])
 def test_a_path_has_a_leg_between_its_stops_and_a_colour_for_each_stage(stops):
     path = tuple(Stop(str(number), (float(number), 0.0, 0.0)) for number in range(stops))
-    marks = path_marks(Inspection((0, 0), "raytrace", "sky", None, None, "sky", path, "sky", None, None, False))
+    marks = path_marks(
+        Inspection((0, 0), Specification.parse("raytrace"), "sky", None, None, "sky", path, "sky", None, None, False)
+    )
     legs = max(stops - 1, 0)
     assert len(marks.segments.ends) == legs and len(marks.dots.centers) == (stops if legs else 0)
     assert marks.segments.ends[:, 1, 0].tolist() == list(range(1, legs + 1))
@@ -253,7 +255,9 @@ def test_all_that_the_state_asks_for_is_drawn_and_nothing_else():
     outside = space_marks(space, state_of(scene, *Drawing, observer=ASIDE), CAMERA, SIZE)
     assert finite(outside) and len(outside.segments.ends) == sum(sizes.values()) + sizes[Drawing.HITS] + 8
     path = (Stop("eye", CAMERA.position), Stop("floor", (0.0, 0.0, 0.0)))
-    inspection = Inspection((0, 0), "raytrace", "floor", (0, 0, 0), 1.0, "direct", path, "floor", None, None, False)
+    inspection = Inspection(
+        (0, 0), Specification.parse("raytrace"), "floor", (0, 0, 0), 1.0, "direct", path, "floor", None, None, False
+    )
     assert len(space_marks(space, state_of(scene), CAMERA, SIZE, inspection).segments.ends) == 1
 
 

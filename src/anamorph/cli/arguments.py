@@ -4,12 +4,16 @@ from __future__ import annotations
 
 import argparse
 from pathlib import Path
-from typing import NoReturn
+from typing import TYPE_CHECKING, NoReturn
 
+from anamorph.base.errors import AnamorphError
 from anamorph.base.output import PICTURES
 from anamorph.base.versions import versions
 from anamorph.base.video import MOST_FRAMES, VIDEOS
 from anamorph.files.source_words import Parser, add_cad_options
+
+if TYPE_CHECKING:
+    from anamorph.methods.specification import Specification
 
 MOST_TIMED = 300
 """Frames of a benchmark: where every vertex is in each of them is kept ready."""
@@ -52,6 +56,16 @@ def _size(text: str) -> tuple[int, int]:
     if int(width) < 1 or int(height) < 1:
         raise argparse.ArgumentTypeError(f"'{text}' has no pixels; width and height start at 1")
     return int(width), int(height)
+
+
+def _method(text: str) -> Specification:
+    # What draws is imported only where a method is named.
+    from anamorph.methods.specification import Specification
+
+    try:
+        return Specification.parse(text)
+    except AnamorphError as error:
+        raise argparse.ArgumentTypeError(str(error)) from error
 
 
 def _samples(text: str) -> int:
@@ -116,7 +130,7 @@ def make_parser() -> argparse.ArgumentParser:
 
     render = command("render", "render a scene, or a model before a convex mirror, to a picture")
     render.add_argument("scene", metavar="SCENE|MODEL", help=scene)
-    render.add_argument("-m", "--method", metavar="METHOD", help=method)
+    render.add_argument("-m", "--method", metavar="METHOD", type=_method, help=method)
     render.add_argument(
         "-o", "--output", metavar="FILE", type=Path, required=True, help=f"the picture: {', '.join(PICTURES)}"
     )
@@ -136,7 +150,9 @@ def make_parser() -> argparse.ArgumentParser:
 
     compare = command("compare", "measure methods against the ray-traced truth, and time them")
     compare.add_argument("scene", metavar="SCENE", help=scene)
-    compare.add_argument("-m", "--method", metavar="METHOD", action="append", help=f"{method}; may be repeated (all)")
+    compare.add_argument(
+        "-m", "--method", metavar="METHOD", type=_method, action="append", help=f"{method}; may be repeated (all)"
+    )
     compare.add_argument("--size", metavar="WxH", type=_size, help=size)
     compare.add_argument("--tolerance", metavar="PX", type=float, help=tolerance)
     compare.add_argument("--json", metavar="FILE", type=Path, help="write the figures as JSON")
@@ -147,7 +163,7 @@ def make_parser() -> argparse.ArgumentParser:
     )
     named = f"{scene} ({FIRST_SCENE})"
     view.add_argument("scene", metavar="SCENE|MODEL", nargs="?", default=FIRST_SCENE, help=named)
-    view.add_argument("-m", "--method", metavar="METHOD", help=method)
+    view.add_argument("-m", "--method", metavar="METHOD", type=_method, help=method)
     backends = "a window (desktop), a page on this machine (browser), or the window where one can open (auto)"
     view.add_argument("--backend", choices=BACKENDS, default="auto", help=f"{backends} (auto)")
     view.add_argument("--port", metavar="N", type=_port, default=0, help="of the page (0: any that is free)")
@@ -155,7 +171,7 @@ def make_parser() -> argparse.ArgumentParser:
 
     turntable = command("turntable", "save a video of the eye going round what it looks at, or through several views")
     turntable.add_argument("scene", metavar="SCENE|MODEL", help=scene)
-    turntable.add_argument("-m", "--method", metavar="METHOD", help=method)
+    turntable.add_argument("-m", "--method", metavar="METHOD", type=_method, help=method)
     videos = f"{', '.join(VIDEOS)}, or without a suffix a folder for numbered PNG pictures"
     turntable.add_argument("-o", "--output", metavar="FILE|DIR", type=Path, required=True, help=f"the video: {videos}")
     turntable.add_argument("--size", metavar="WxH", type=_size, help=size)
@@ -174,7 +190,9 @@ def make_parser() -> argparse.ArgumentParser:
     def benchmark(name: str, help: str) -> argparse.ArgumentParser:
         added = benchmarks.add_parser(name, help=help, description=help, allow_abbrev=False)
         added.set_defaults(run=f"bench {name}")
-        added.add_argument("-m", "--method", metavar="METHOD", action="append", help=f"{method}; may be repeated")
+        added.add_argument(
+            "-m", "--method", metavar="METHOD", type=_method, action="append", help=f"{method}; may be repeated"
+        )
         return added
 
     deforming = benchmark("deforming", "time methods while a scene of 300,000 triangles deforms")

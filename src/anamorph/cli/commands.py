@@ -79,13 +79,12 @@ def _render(arguments: argparse.Namespace) -> None:
     from anamorph.methods import Specification
     from anamorph.rendering import draw_frame
 
-    chosen = Specification.parse(arguments.method) if arguments.method else None
     what = f"rendering {arguments.scene}"
     with progress_bar(what) as report:
         scene, settings = open_scene(arguments.scene, face_choice(arguments), arguments.mirror_of)
         size = arguments.size or settings.size
         view = View(scene, scene.camera, size, samples=arguments.samples)
-        specification = chosen or Specification.parse(settings.method)
+        specification = arguments.method or Specification.parse(settings.method)
         if arguments.tolerance is not None:
             if not hasattr(specification.options, "tolerance"):
                 name = specification.method.name
@@ -122,12 +121,11 @@ def _compare(arguments: argparse.Namespace) -> None:
     from anamorph.measure.table import comparison_table, print_table
     from anamorph.methods import METHODS, Specification
 
-    chosen = [Specification.parse(text) for text in arguments.method or ()]
     with progress_bar(f"opening {arguments.scene}") as report:
         scene, settings = open_scene(arguments.scene, face_choice(arguments), arguments.mirror_of)
         size = arguments.size or settings.size
         able = [name for name, method in METHODS.items() if method.refracts or not scene.refracts]
-        methods = chosen or [Specification.parse(name) for name in able]
+        methods = arguments.method or [Specification.parse(name) for name in able]
         if arguments.tolerance is not None:
             methods = [
                 each.with_options(tolerance=arguments.tolerance) if hasattr(each.options, "tolerance") else each
@@ -143,26 +141,23 @@ def _compare(arguments: argparse.Namespace) -> None:
 
 def _view(arguments: argparse.Namespace) -> None:
     from anamorph.files.source import Source
-    from anamorph.methods import Specification
     from anamorph.viewer.backends.choice import show
     from anamorph.viewer.starting import start_of
 
-    chosen = Specification.parse(arguments.method) if arguments.method else None
     with progress_bar(f"opening {arguments.scene}"):
         source = Source(arguments.scene, face_choice(arguments), arguments.mirror_of)
-        start = start_of(source, chosen)
+        start = start_of(source, arguments.method)
     show_errors_of_libraries("uvicorn")
     show(start, arguments.backend, arguments.port, arguments.size)
 
 
 def _turntable(arguments: argparse.Namespace) -> None:
     from anamorph.cli.turntable import save_turntable
-    from anamorph.methods import Specification
 
     summary = save_turntable(
         arguments.scene,
         arguments.output,
-        Specification.parse(arguments.method) if arguments.method else None,
+        arguments.method,
         arguments.size,
         arguments.frames,
         arguments.swing,
@@ -178,13 +173,11 @@ def _bench_deforming(arguments: argparse.Namespace) -> None:
     from anamorph.bench.deforming import DEFAULT, deforming_table, time_deforming
     from anamorph.files.scene_file import DEFAULT_SIZE
     from anamorph.measure.table import print_table
-    from anamorph.methods import Specification
 
-    chosen = [Specification.parse(text) for text in arguments.method or DEFAULT]
     what = "timing deforming"
     with progress_bar(what) as report:
         times = time_deforming(
-            chosen,
+            arguments.method or DEFAULT,
             arguments.size or DEFAULT_SIZE,
             arguments.frames,
             lambda done, total: report(done, total, what),
@@ -195,13 +188,11 @@ def _bench_deforming(arguments: argparse.Namespace) -> None:
 def _bench_editing(arguments: argparse.Namespace) -> None:
     from anamorph.bench.editing import SIZE, editing_table
     from anamorph.measure.table import print_table
-    from anamorph.methods import METHODS, Specification
 
-    chosen = [Specification.parse(text) for text in arguments.method or METHODS]
     what = "timing steps of a slider"
     with progress_bar(what) as tell:
         table = editing_table(
-            chosen,
+            arguments.method or (),
             arguments.size or SIZE,
             arguments.steps,
             lambda done, total: tell(done, total, what),
@@ -218,7 +209,7 @@ def _bench_trilinear(arguments: argparse.Namespace) -> None:
     check_directory(arguments.output)
     with progress_bar("timing trilinear projection") as report:
         extent = QUICK if arguments.quick else FULL
-        results = measure_thesis(arguments.method, extent, arguments.part or PARTS, report)
+        results = measure_thesis(arguments.method or (), extent, arguments.part or PARTS, report)
     written = write_results(results, arguments.output)
     for table in summary_tables(results):
         print_table(table)

@@ -184,12 +184,12 @@ def test_cube_faces_share_their_depth_buffer_and_make_their_depths_on_first_use(
         return targets.make_texture(size, form, *arguments, **named)
 
     monkeypatch.setattr(cube, "make_texture", counted)
-    faces = cube.make_cube(8)
+    monkeypatch.setattr(cube, "_stand_in", lambda: targets.make_texture((1, 1), "rgba32float"))
+    made_now = cube.CubeMap(np.zeros(3), 8, 0.1)
     assert sorted(made) == ["depth32float", "rgba16float"]
-    assert len({id(face.color.depth) for face in faces}) == 1
-    assert faces[3].depth().textures == faces[0].depth().textures
-    assert made.count("rgba32float") == 1
-    assert {id(face.depth().depth) for face in faces} == {id(faces[0].color.depth)}
+    assert len({id(face.textures[0]) for face in made_now.colors}) == 1
+    assert {id(face.textures[0]) for face in made_now.depths} == {id(made_now.depths[3].textures[0])}
+    assert made.count("rgba32float") == 1 and made.count("depth32float") == 1
 
 
 def test_drawn_once_is_drawn_always_while_nothing_moves():
@@ -210,8 +210,8 @@ def test_drawn_once_has_all_faces_for_an_eye_that_moves_later():
 
 @pytest.mark.parametrize(("update", "frames_with_maps"), [("once", 1), ("always", 3)])
 def test_a_static_map_is_drawn_in_the_first_frame_alone(update, frames_with_maps, monkeypatch):
-    calls, counts, draw_color = [], [0], cube.CubeFace.draw_color
-    monkeypatch.setattr(cube.CubeFace, "draw_color", lambda *given: (calls.append(given), draw_color(*given))[1])
+    calls, counts, draw_color = [], [0], cube.CubeMap.draw_color
+    monkeypatch.setattr(cube.CubeMap, "draw_color", lambda *given: (calls.extend(given[-1]), draw_color(*given))[1])
     session = open_view(scene_with(spherical_mirror()), f"environment:update={update},face=64")
     for _ in range(3):
         session.draw(CAMERA)

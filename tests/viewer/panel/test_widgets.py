@@ -48,7 +48,7 @@ FIGURES = Figures(
     Statistics(0.04, 1.2, 123.4), Statistics(0.1, 2.3, 800.0), None, {"warped": 80.0, "total_reflection": 20.0}
 )
 SEEN = Inspection(
-    (412, 233), "pervertex", "box-3", (1.0, -2.0, 3.0), 4.0, "refined",
+    (412, 233), Specification.parse("pervertex"), "box-3", (1.0, -2.0, 3.0), 4.0, "refined",
     (Stop("eye", (0.0, 1.0, 0.0)), Stop("mirror", (0.0, 0.0, 0.0)), Stop("a box of long name", (-1.0, 2.0, -12.0))),
     "a box with a very long name", 12.3, 4.5, True,
 )  # fmt: skip
@@ -243,7 +243,7 @@ def test_a_method_that_does_not_refract_cannot_be_chosen_for_glass(opened, scene
 
 
 def test_a_half_that_no_method_can_draw_still_lets_another_be_chosen(opened) -> None:
-    stage = opened(first=Half(Specification.parse("nonsense:a=b")))
+    stage = opened(first=Half(Specification.parse("pervertex:antialias=3")))
     assert pressed(stage, "first/method", "first/method/raytrace").first == Half(Specification.parse("raytrace"))
 
 
@@ -467,7 +467,7 @@ def test_lines_end_between_words(opened, monkeypatch, text, width) -> None:
 def test_a_method_is_called_the_same_over_the_picture_and_beside_it(opened, monkeypatch, specification, said) -> None:
     rows = {}
     monkeypatch.setattr(results, "row", lambda label, *values: rows.update({label: values}))
-    stage = opened(told={"inspection": replace(SEEN, method=specification)}, picked=(0.5, 0.5))
+    stage = opened(told={"inspection": replace(SEEN, method=Specification.parse(specification))}, picked=(0.5, 0.5))
     assert rows["method"] == (said,) and half_caption(Half(Specification.parse(specification)), stage.state) == said
 
 

@@ -163,8 +163,8 @@ class CubeDrawing(SpecularDrawing):
                 draw_mesh(render_pass, self.stage.buffers, index)
 
     def diagnostics(self) -> Mapping[str, Any]:
-        """The cube map of each reflector, face by face."""
-        return {"maps": [item.map.faces for item in self._reflectors]}
+        """The cube map of each mirror."""
+        return {"maps": [item.map for item in self._reflectors]}
 
 
 def _check_flat(view: View) -> None:

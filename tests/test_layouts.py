@@ -19,9 +19,10 @@ from anamorph.methods.tracing.bounces import DIFFUSE, MIRROR
 from anamorph.methods.tracing.paths import PathTracer
 from anamorph.methods.tracing.tiles import RECORD_BYTES
 from anamorph.methods.trilinear import ray_records
+from anamorph.methods.trilinear.straight import edges
 from anamorph.projection import UNIFORM_BYTES, camera_projection
 from anamorph.rays.caster import Caster
-from anamorph.raytriangle import device, points
+from anamorph.raytriangle import device, solve
 from anamorph.scene.geometry import flatten
 from anamorph.viewer.lines import CANVAS_BYTES, STROKE_FLOATS
 
@@ -38,10 +39,10 @@ RECORDS = [
     ("gpu", "Object", OBJECT, {"padding": "padding_0"}),
     ("raytriangle", "RayTriangle", device.RAY_TRIANGLE, {"vectors": "center", "padding": None}),
     ("raytriangle", "Projections", device.FOUND, {}),
-    ("methods/trilinear", "RayTriangle", ray_records.RAY_TRIANGLE, {"padding": None}),
+    ("methods/trilinear", "RayTriangle", ray_records.RAY_TRIANGLE, {}),
     ("methods/trilinear", "Pair", ray_records.PAIR, {"terms": "first", "center": "center_x"}),
     ("methods/trilinear", "Piece", ray_records.PIECE, {"place": "x0"}),
-    ("methods/trilinear", "StraightCorner", ray_records.STRAIGHT_CORNER, {"place": "x", "weights": "second"}),
+    ("methods/trilinear/straight", "StraightCorner", edges.STRAIGHT_CORNER, {"place": "x", "weights": "second"}),
 ]
 """Room, structure, its dtype, and what members are called in the shader where a field has another name, or none."""
 
@@ -162,7 +163,7 @@ def test_object_and_status_share_a_number_as_the_session_takes_it_apart():
         ("gpu", "DIFFUSE", DIFFUSE), ("gpu", "MIRROR", MIRROR),
         ("methods/pervertex", "SMOOTH", level.SMOOTH), ("methods/pervertex", "THREE_COLORS", level.THREE_COLORS),
         ("methods/pervertex", "MAP_LEVELS", LEVELS), ("methods/trilinear", "SPECULAR", ray_records.SPECULAR),
-        ("raytriangle", "OUTERMOST", points.OUTERMOST),
+        ("raytriangle", "OUTERMOST", solve.OUTERMOST),
     ],
 )  # fmt: skip
 def test_constants_of_both_languages_are_the_same(room, name, value):

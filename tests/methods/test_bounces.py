@@ -12,7 +12,7 @@ from scenes import drawn
 
 from anamorph.frame import Frame, Status
 from anamorph.gallery.flat_mirror import plane_mirror
-from anamorph.lenses.lens import make_lens
+from anamorph.lenses.making import make_lens
 from anamorph.measure.errors import silhouettes
 from anamorph.methods import METHODS
 from anamorph.scene.camera import Camera

@@ -99,7 +99,7 @@ def test_methods_follow_each_other_and_keep_their_layer():
     state, seen = STATE, []
     for _ in METHODS:
         state = after("m", state=state)
-        seen.append(state.first.method)
+        seen.append(state.first.method.method.name)
         assert state.first.aspect is Aspect.ERROR and not state.split
     assert sorted(seen) == sorted(METHODS) and seen[-1] == "pervertex"
     second = after("M", "Shift")

@@ -279,9 +279,10 @@ class _Sized:
         self.size, self._widest = size, widest
         self.texture = linear_texture(np.ones((size[1], size[0], 3)))
 
-    def draw(self, camera: an.Camera, shift: tuple[float, float] = (0.0, 0.0)) -> None:
+    def drawing(self, camera: an.Camera, shift: tuple[float, float] = (0.0, 0.0)) -> Generator[None, None, None]:
         if self.size[0] > self._widest:
             raise AnamorphError("too large")
+        yield from ()
 
     def wait(self) -> None:
         pass

@@ -20,11 +20,11 @@ from anamorph.gpu.device import get_device
 from anamorph.gpu.drawing import draw_mesh, make_pipeline
 from anamorph.gpu.shaders import shader_module
 from anamorph.gpu.targets import COLOR_FORMAT, SEEN_FORMATS
-from anamorph.methods.drawing import SpecularDrawing
 from anamorph.methods.environment import CubeMap, cube_layout
 from anamorph.methods.options import check_options, option
 from anamorph.methods.protocol import Method
 from anamorph.methods.session import Session
+from anamorph.methods.specular_drawing import SpecularDrawing
 from anamorph.methods.stage import Stage
 from anamorph.scene.camera import Camera
 

@@ -30,7 +30,7 @@ from anamorph.gpu.targets import (
     make_target,
     read_texture,
 )
-from anamorph.methods.drawing import SpecularDrawing
+from anamorph.methods.specular_drawing import SpecularDrawing
 from anamorph.methods.stage import Stage
 from anamorph.raymesh import RayMesh
 from anamorph.scene.camera import Camera

@@ -18,13 +18,13 @@ from anamorph.frame import View
 from anamorph.gpu.drawing import draw_mesh, make_pipeline
 from anamorph.gpu.shaders import shader_module
 from anamorph.gpu.targets import COLOR_FORMAT, SEEN_FORMATS
-from anamorph.methods.drawing import SpecularDrawing
 from anamorph.methods.environment.cube import FACES, CubeMap, cube_layout
 from anamorph.methods.options import check_options, option
 from anamorph.methods.pervertex.options import Options as PerVertexOptions
 from anamorph.methods.pervertex.pervertex import PerVertexDrawing
 from anamorph.methods.protocol import Method
 from anamorph.methods.session import Session
+from anamorph.methods.specular_drawing import SpecularDrawing
 from anamorph.methods.stage import Stage
 from anamorph.optics.ray_meshes import Body, bodies_of, rays_of
 from anamorph.raymesh import RayMesh, RayStatus

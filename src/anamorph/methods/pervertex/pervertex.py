@@ -22,7 +22,6 @@ from anamorph.gpu.device import get_device
 from anamorph.gpu.drawing import bind_scene, make_pipeline, submit
 from anamorph.gpu.shaders import shader_module
 from anamorph.gpu.targets import COLOR_FORMAT, MAP_FORMATS, SEEN_FORMATS, Target, begin_pass, make_texture, read_texture
-from anamorph.methods.drawing import SpecularDrawing
 from anamorph.methods.options import check_options
 from anamorph.methods.pervertex.atlas import MapKind
 from anamorph.methods.pervertex.level import Level, level_layout
@@ -33,6 +32,7 @@ from anamorph.methods.pervertex.pictures import Picture, Pictures, interfaces
 from anamorph.methods.pervertex.surroundings import Surroundings, surroundings_of
 from anamorph.methods.protocol import Method
 from anamorph.methods.session import Session
+from anamorph.methods.specular_drawing import SpecularDrawing
 from anamorph.methods.stage import Stage
 from anamorph.optics.ray_meshes import bodies_of
 from anamorph.optics.tessellation import refined_scene

@@ -16,11 +16,11 @@ import wgpu
 
 from anamorph.base.errors import AnamorphError
 from anamorph.frame import View
-from anamorph.methods.drawing import SpecularDrawing
 from anamorph.methods.options import check_options, option
 from anamorph.methods.protocol import Method
 from anamorph.methods.raytrace.pixel_rays import pixel_rays
 from anamorph.methods.session import Session
+from anamorph.methods.specular_drawing import SpecularDrawing
 from anamorph.methods.stage import Stage
 from anamorph.methods.tracing.bounces import WORDS
 from anamorph.methods.tracing.paths import PathTracer, Rectangle, Tracing, specular_rectangle

@@ -25,10 +25,10 @@ from anamorph.gpu.buffers import storage_buffer
 from anamorph.gpu.drawing import make_pipeline
 from anamorph.gpu.shaders import shader_module
 from anamorph.gpu.targets import COLOR_FORMAT, make_target
-from anamorph.methods.drawing import SpecularDrawing
 from anamorph.methods.options import check_options, option
 from anamorph.methods.protocol import Method
 from anamorph.methods.session import Session
+from anamorph.methods.specular_drawing import SpecularDrawing
 from anamorph.methods.stage import Stage
 from anamorph.methods.trilinear.box_tree import make_tree, moved_tree
 from anamorph.methods.trilinear.coloring import Coloring, Kind

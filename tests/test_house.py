@@ -16,6 +16,7 @@ from anamorph.methods.registry import OWN
 ROOT = Path(__file__).resolve().parents[1]
 PACKAGE = ROOT / "src" / "anamorph"
 MODULES = sorted(PACKAGE.rglob("*.py"))
+TESTS = sorted((ROOT / "tests").rglob("*.py"))
 
 ORDER = (
     "base", "surfaces", "scene", "lenses", "editing", "gallery", "files", "raymesh", "rays", "optics", "cameras",
@@ -33,6 +34,21 @@ NOT_BELOW = {"argparse", "OCP", "embreex", "wgpu", "rendercanvas", "imgui_bundle
 
 ACROSS = {("environment", "pervertex")}
 """Methods that import another: planar reflection is a special case of per-vertex reflection."""
+
+OTHERS_OWN = {
+    "_replace": "of named tuples, public by Python's own word",
+    "_fields": "of named tuples, public by Python's own word",
+    "_process_events": "rendercanvas: what its event loop calls",
+    "_draw_frame": "rendercanvas: who draws on a canvas",
+    "_canvas_context": "rendercanvas: whether a canvas has been drawn on",
+    "_rfb_draw_requested": "rendercanvas: whether a page is to be sent a picture",
+    "_rfb_handle_msg": "rendercanvas: what a page says to a widget",
+    "_css_width": "rendercanvas: the trait of a widget that pages read",
+    "_css_height": "rendercanvas: the trait of a widget that pages read",
+    "_css": "anywidget: what a page is styled with",
+    "_esm": "anywidget: what a page runs",
+}
+"""Names with an underscore that tests may touch, of other packages, and why."""
 
 REGISTRIES = re.compile(
     r"https?://[^\s\"'<>)]*(?:pypi|pythonhosted|npmjs|anaconda|crates\.io|debian\.org/debian|/simple\b)"
@@ -135,6 +151,36 @@ def test_files_stay_short_enough_to_read(suffix: str, longest: int) -> None:
 @pytest.mark.parametrize("said", ["(1024, 768)\n", "get_close_matches("])
 def test_what_several_modules_need_is_said_in_one(said: str) -> None:
     assert len([module.name for module in MODULES if said in module.read_text()]) == 1
+
+
+def private_names(source: str) -> set[str]:
+    """Names with an underscore of which a module's source takes or replaces what is not its own."""
+    names: set[str] = set()
+    for node in ast.walk(ast.parse(source)):
+        if isinstance(node, ast.Attribute) and not (
+            isinstance(node.value, ast.Name) and node.value.id in ("self", "cls")
+        ):
+            names.add(node.attr)
+        elif isinstance(node, ast.ImportFrom):
+            names |= {alias.name for alias in node.names}
+        elif isinstance(node, ast.Call) and "attr" in ast.unparse(node.func):
+            texts = [each.value for each in node.args[:2] if isinstance(each, ast.Constant)]
+            names |= {text.rpartition(".")[2] for text in texts if isinstance(text, str)}
+    return {name for name in names if re.match(r"_[a-zA-Z]", name)}
+
+
+@pytest.mark.parametrize("module", TESTS, ids=lambda path: str(path.relative_to(ROOT / "tests")))
+def test_no_test_reaches_into_what_is_private(module: Path) -> None:
+    assert private_names(module.read_text()) <= OTHERS_OWN.keys()
+
+
+def test_the_guard_sees_every_way_to_reach_in() -> None:
+    ways = (
+        "from anamorph.rays import _near\nviewer._job.stop()\nsetattr(viewer, '_drawn', 1)\nself._own = 2\n"
+        "monkeypatch.setattr('anamorph.viewer.looking._seen', 3)\nmonkeypatch.setattr(viewer, '_showing', 4)\n"
+        "class Own:\n    def __init__(self):\n        self._x = super().__init__()"
+    )
+    assert private_names(ways) == {"_near", "_job", "_drawn", "_seen", "_showing"}
 
 
 def test_no_module_uses_relative_imports() -> None:

@@ -12,8 +12,8 @@ from anamorph.viewer.application import Later, Viewer
 from anamorph.viewer.layout import picture_area
 from anamorph.viewer.starting import Start
 
-PATIENCE = 500
-"""Frames for what takes a few."""
+PATIENCE = 10_000
+"""Frames for what takes a few: a frame does what there is time for, which on a busy machine is little."""
 
 
 class Hand:

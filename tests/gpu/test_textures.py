@@ -15,7 +15,7 @@ from anamorph.scene.model import Texture
 def test_a_transparent_texel_keeps_its_colour_when_it_is_resized(monkeypatch) -> None:
     pixels = np.full((3, 5, 4), (200, 100, 50, 0), np.uint8)
     uploaded: list[np.ndarray] = []
-    monkeypatch.setattr(textures, "_upload", uploaded.extend)
+    monkeypatch.setattr(textures, "upload", uploaded.extend)
     textures.texture_array((Texture(pixels),))
     assert uploaded[1].shape == (8, 8, 4)
     assert (uploaded[1][..., :3] == (200, 100, 50)).all()
@@ -23,7 +23,7 @@ def test_a_transparent_texel_keeps_its_colour_when_it_is_resized(monkeypatch) ->
 
 def test_a_sky_wider_than_the_device_allows_is_made_smaller(monkeypatch) -> None:
     uploaded: list[np.ndarray] = []
-    monkeypatch.setattr(textures, "_upload", uploaded.extend)
+    monkeypatch.setattr(textures, "upload", uploaded.extend)
     monkeypatch.setattr(textures, "maximum_size", lambda: 16)
     textures.sky_texture(Texture(np.full((8, 40, 4), 255, np.uint8)))
     assert uploaded[0].shape == (8, 16, 4)

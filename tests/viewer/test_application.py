@@ -30,6 +30,7 @@ from anamorph.methods.options import option
 from anamorph.viewer import application
 from anamorph.viewer.application import SETTLING
 from anamorph.viewer.marks import NO_MARKS, Marks
+from anamorph.viewer.showing import Showing
 from anamorph.viewer.space import Space
 from anamorph.viewer.starting import start_of
 from anamorph.viewer.state import Aspect, Drawing, EyeSide, Half, State
@@ -79,17 +80,20 @@ def test_a_drag_moves_the_eye_and_a_click_does_not(hand: Hand) -> None:
     assert alike(picture_of(hand.settle(), hand), before)
 
 
-def test_clicks_that_come_all_at_once_are_all_taken_in(hand: Hand) -> None:
+def test_clicks_that_come_all_at_once_are_all_taken_in(hand: Hand, monkeypatch: pytest.MonkeyPatch) -> None:
     hand.settle()
+    asked: list[None] = []
+    monkeypatch.setattr(hand.canvas, "request_draw", lambda: asked.append(None))
     for aspect in ("status", "error", "picture", "status", "error"):
         x, y = hand.widget(f"first/aspect/{aspect}")
         for kind in ("pointer_move", "pointer_down", "pointer_up"):
             hand.canvas.submit_event({"event_type": kind, "x": x, "y": y, "button": 1, "buttons": (), "modifiers": ()})
     hand.canvas._process_events()
-    hand.draw()
-    asked = hand.viewer._settling
-    hand.draw(asked)
-    assert asked >= 10 and hand.viewer.state.first.aspect is Aspect.ERROR
+    frames = hand.viewer.frames
+    while asked:
+        asked.clear()
+        hand.draw()
+    assert hand.viewer.frames > frames + 10 and hand.viewer.state.first.aspect is Aspect.ERROR
 
 
 def test_the_eye_goes_back_to_where_a_saved_view_has_it(hand: Hand, tmp_path: Path) -> None:
@@ -134,9 +138,9 @@ def test_a_page_that_takes_over_has_a_clock_of_its_own(hand: Hand, monkeypatch: 
     assert cursors[-1] == "ew_resize"
 
 
-def test_a_pointer_that_rests_on_a_slider_is_given_a_frame_that_explains_it(hand: Hand) -> None:
+def test_a_pointer_that_rests_on_a_slider_is_given_a_frame_that_explains_it() -> None:
     calls: list[tuple[float, Callable[[], None]]] = []
-    hand.viewer._later = lambda seconds, call: calls.append((seconds, call))
+    hand = Hand(start_of("flat-mirror"), later=lambda seconds, call: calls.append((seconds, call)))
     before = hand.settle()
     calls.clear()
     hand.send("pointer_move", **dict(zip("xy", hand.place(0.5, 0.5), strict=True)), button=0)
@@ -148,6 +152,7 @@ def test_a_pointer_that_rests_on_a_slider_is_given_a_frame_that_explains_it(hand
     hand.draw(SETTLING)
     time.sleep(seconds)
     explained = np.abs(hand.draw(SETTLING).astype(int) - before).max(-1) > 24
+    hand.close()
     assert explained.sum() > 1000
 
 
@@ -485,7 +490,10 @@ def test_every_builtin_scene_opens() -> None:
         hand.close()
 
 
-def test_keys_pointer_and_panel_answer_while_a_slow_picture_is_drawn(hand: Hand, monkeypatch) -> None:
+def test_keys_pointer_and_panel_answer_while_a_slow_picture_is_drawn(monkeypatch: pytest.MonkeyPatch) -> None:
+    showing = Showing()
+    monkeypatch.setattr(application, "Showing", lambda: showing)
+    hand = Hand(start_of("flat-mirror"))
     monkeypatch.setattr("anamorph.viewer.showing.FRAME", 0.0)
     monkeypatch.setattr("anamorph.methods.tracing.paths.GRAIN", 64)
     monkeypatch.setattr("anamorph.base.compiled.cores", lambda: 1)
@@ -493,17 +501,18 @@ def test_keys_pointer_and_panel_answer_while_a_slow_picture_is_drawn(hand: Hand,
     hand.settle()
     viewer.state = replace(viewer.state, first=Half(Specification.parse("raytrace")), resolution=1.0)
     before = hand.draw()
-    assert viewer._showing.moving
+    assert showing.moving
     hand.key("F1")
-    assert viewer.state.help and viewer._showing.moving
+    assert viewer.state.help and showing.moving
     hand.key("F1")
     hand.drag(hand.place(0.5, 0.5), hand.place(0.6, 0.5))
-    assert viewer._showing.moving and viewer.state.camera != viewer.start.state.camera
+    assert showing.moving and viewer.state.camera != viewer.start.state.camera
     left = hand.viewer.snapshot()["covered"][0][2]
     assert np.array_equal(hand.draw()[:, int(left) + 1 :], before[:, int(left) + 1 :]), "the last finished picture"
-    while viewer._showing.moving:
+    while showing.moving:
         hand.draw()
     assert not np.array_equal(hand.draw()[:, int(left) + 1 :], before[:, int(left) + 1 :])
+    hand.close()
 
 
 def test_a_page_that_takes_long_to_show_pictures_is_sent_fewer(hand: Hand, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -20,10 +20,9 @@ from anamorph.files.view_file import Opened
 from anamorph.gallery import SCENES
 from anamorph.methods import Specification
 from anamorph.scene.model import Scene
-from anamorph.viewer import starting
+from anamorph.viewer import application, starting
 from anamorph.viewer.facts import Facts, Progress
 from anamorph.viewer.home import Home
-from anamorph.viewer.job import Job
 from anamorph.viewer.saving import save_scene
 from anamorph.viewer.shortcuts import press
 from anamorph.viewer.starting import Start, carried_over, start_of
@@ -271,7 +270,9 @@ def test_a_viewer_that_opened_nothing_opens_something() -> None:
     hand.close()
 
 
-def test_what_is_being_saved_is_stopped_and_leaves_nothing(hand: Hand, tmp_path: Path) -> None:
+def test_what_is_being_saved_is_stopped_and_leaves_nothing(
+    hand: Hand, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     def endless() -> Iterator[Progress]:
         try:
             while True:
@@ -280,8 +281,8 @@ def test_what_is_being_saved_is_stopped_and_leaves_nothing(hand: Hand, tmp_path:
             ended.append(True)
 
     ended: list[bool] = []
-    hand.viewer._job = Job(endless())
-    hand.draw(2)
+    monkeypatch.setattr(application, "saving_of", lambda *_: endless())
+    hand.key("p")
     ask(hand, "spheres")
     told = hand.viewer.snapshot()
     assert ended and told["progress"] is None and told["message"] == "stopped saving"

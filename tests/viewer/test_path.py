@@ -296,7 +296,7 @@ def test_a_method_that_cannot_look_for_the_eye_is_told_of_once(hand: Hand, monke
         asked.append(view.camera)
         raise AnamorphError("it looks at nothing")
 
-    monkeypatch.setattr("anamorph.viewer.inspector._seen", failing)
+    monkeypatch.setattr("anamorph.viewer.inspector.seen_frame", failing)
     hand.viewer.state = replace(hand.viewer.state, picked=(0.45, 0.45))
     hand.viewer.refresh()
     hand.settle()

@@ -301,7 +301,7 @@ def drawn_by(monkeypatch: pytest.MonkeyPatch, widest: int = 10**6, seconds: floa
 
     for module in ("base.steps", "viewer.showing"):
         monkeypatch.setattr(f"anamorph.{module}.perf_counter", lambda: seconds * len(sizes))
-    monkeypatch.setattr(MethodImages, "_session", session)
+    monkeypatch.setattr(MethodImages, "session", session)
     return sizes
 
 
@@ -363,7 +363,7 @@ def stepped(monkeypatch: pytest.MonkeyPatch) -> list[an.Camera]:
     def session(self: MethodImages, camera: an.Camera, size: tuple[int, int]) -> _Stepped:
         return sessions.setdefault(size, _Stepped(size))
 
-    monkeypatch.setattr(MethodImages, "_session", session)
+    monkeypatch.setattr(MethodImages, "session", session)
     monkeypatch.setattr("anamorph.viewer.showing.FRAME", 0.0)
     monkeypatch.setattr(_Stepped, "fails", False)
     monkeypatch.setattr(_Stepped, "drawn", [])

@@ -8,6 +8,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
+from imgui_bundle import imgui
 from PIL import Image
 from viewer_hand import Hand
 
@@ -85,19 +86,18 @@ def test_what_is_stopped_or_closed_does_not_go_on_unseen(hand, clock, tmp_path):
 
 
 def test_imgui_keeps_no_more_events_than_it_can_show_and_then_holds_nothing(hand):
-    imgui = hand.viewer._device_canvas.imgui
     hand.send("key_down", key="Shift")
     hand.send("pointer_down", x=300.0, y=100.0, button=1, buttons=(1,))
     hand.draw(3)
-    assert imgui.backend.io.key_shift and imgui.backend.io.mouse_down[0]
+    assert imgui.get_io().key_shift and imgui.get_io().mouse_down[0]
     for count in range(MOST_EVENTS):
         for kind in ("key_down", "key_up"):
             event = {"event_type": kind, "key": "abcdefgh"[count % 8], "modifiers": ()}
             hand.canvas.submit_event(event)
     hand.canvas._process_events()
-    assert imgui.imgui_context.input_events_queue.size() <= MOST_EVENTS + 1
+    assert imgui.get_current_context().input_events_queue.size() <= MOST_EVENTS + 1
     hand.draw(3)
-    assert not imgui.backend.io.key_shift and not imgui.backend.io.mouse_down[0]
+    assert not imgui.get_io().key_shift and not imgui.get_io().mouse_down[0]
 
 
 @pytest.mark.parametrize("key", ["AltGraph", "Dead", "F13", "MediaPlayPause", "\u0130", ""])

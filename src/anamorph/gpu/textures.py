@@ -41,7 +41,7 @@ def _layer_size(textures: tuple[Texture, ...]) -> int:
     return size
 
 
-def _upload(layers: list[np.ndarray]) -> wgpu.GPUTexture:
+def upload(layers: list[np.ndarray]) -> wgpu.GPUTexture:
     device = get_device()
     height, width = layers[0].shape[:2]
     texture = device.create_texture(
@@ -72,7 +72,7 @@ def texture_array(textures: tuple[Texture, ...]) -> wgpu.GPUTexture:
     layers = [np.full((size, size, 4), 255, np.uint8)]
     for texture in textures:
         layers.append(_resized(texture.pixels, (size, size)))
-    return _upload(layers)
+    return upload(layers)
 
 
 def _resized(pixels: np.ndarray, size: tuple[int, int]) -> np.ndarray:
@@ -87,10 +87,10 @@ def _resized(pixels: np.ndarray, size: tuple[int, int]) -> np.ndarray:
 def sky_texture(image: Texture | None) -> wgpu.GPUTexture:
     """The sky's image, inside the device's limit, or one white pixel where there is none."""
     if image is None:
-        return _upload([np.full((1, 1, 4), 255, np.uint8)])
+        return upload([np.full((1, 1, 4), 255, np.uint8)])
     height, width = (min(extent, maximum_size()) for extent in image.pixels.shape[:2])
     # A width of one texel tells the shader that there is no image.
-    return _upload([_resized(image.pixels, (max(width, 2), height))])
+    return upload([_resized(image.pixels, (max(width, 2), height))])
 
 
 def texture_sampler(vertical: str = "repeat") -> wgpu.GPUSampler:

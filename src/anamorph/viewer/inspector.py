@@ -73,7 +73,7 @@ class Inspector:
         self.inspection, self._picked, self._by_eye = None, state.picked, True
         method, eye = _method(state), looking_eye(state)
         view = View(space.scene, eye, size)
-        frames = {each: _seen(view, each) for each in (TRUTH, method)}
+        frames = {each: seen_frame(view, each) for each in (TRUTH, method)}
         self._found(space, state, eye, size, measure_half(frames[TRUTH], frames[method]))
 
     def _look(self, space: Space, state: State, size: Size, showing: Showing) -> None:
@@ -90,7 +90,7 @@ class Inspector:
         self._by_eye, self._traced = not state.picked_outside, (space, camera)
 
 
-def _seen(view: View, specification: Specification) -> Frame:
+def seen_frame(view: View, specification: Specification) -> Frame:
     session = specification.open(view)
     session.draw(view.camera)
     return session.frame(seen=True)

@@ -95,7 +95,7 @@ class MethodImages:
             return None
         self.failure = ""
         try:
-            session = self._session(camera, size)
+            session = self.session(camera, size)
             yield from session.drawing(camera, shift)
         except Exception as error:
             self._fail(error, camera, size)
@@ -107,7 +107,8 @@ class MethodImages:
         self.failure = failure_text(error, f"method {self._specification}")
         self._failed = camera, size, self.failure
 
-    def _session(self, camera: Camera, size: Size) -> Session:
+    def session(self, camera: Camera, size: Size) -> Session:
+        """The one that draws pictures of a size, opened where there is none."""
         session = self._sessions.pop(size, None)
         if session is None:
             while len(self._sessions) >= KEPT_SIZES:

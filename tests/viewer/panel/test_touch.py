@@ -8,7 +8,8 @@ from itertools import count
 import pytest
 from viewer_hand import Hand
 
-from anamorph.viewer import canvas
+from anamorph.viewer import application, canvas
+from anamorph.viewer.panel.panel import draw_panel
 from anamorph.viewer.starting import start_of
 
 Point = tuple[float, float]
@@ -101,19 +102,27 @@ def clock(monkeypatch):
     monkeypatch.setattr(canvas, "perf_counter", count(0.0, 1.0 / 60.0).__next__)
 
 
-def test_a_double_tap_on_a_slider_opens_it_for_typing(clock, hand):
+@pytest.fixture
+def panels(monkeypatch):
+    """What has been drawn of the panel."""
+    drawn = []
+    monkeypatch.setattr(application, "draw_panel", lambda *shown: drawn.append(draw_panel(*shown)) or drawn[-1])
+    return drawn
+
+
+def test_a_double_tap_on_a_slider_opens_it_for_typing(clock, panels, hand):
     place = hand.widget("mirror/tilt", 0.5)
     slide(hand, place, 0.0)
-    assert not hand.viewer._drawn.typing
+    assert not panels[-1].typing
     slide(hand, place, 0.0)
-    assert hand.viewer._drawn.typing
+    assert panels[-1].typing
     hand.type("3.5")
     hand.key("Enter")
     hand.draw(3)
     assert hand.viewer.state.values["mirror/tilt"] == 3.5
 
 
-def test_a_double_click_of_the_mouse_does_not(clock, hand):
+def test_a_double_click_of_the_mouse_does_not(clock, panels, hand):
     for _ in range(2):
         slide(hand, hand.widget("mirror/tilt", 0.5), 0.0, finger=False)
-    assert not hand.viewer._drawn.typing
+    assert not panels[-1].typing

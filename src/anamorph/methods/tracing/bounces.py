@@ -159,12 +159,12 @@ def _finish(records: np.ndarray, words: np.ndarray, paths: Paths, i: int, limite
 
 
 @compiled
-def _schlick(reflectance: float, cosine: float) -> float:
+def schlick(reflectance: float, cosine: float) -> float:
     return reflectance + (1.0 - reflectance) * (1.0 - min(max(cosine, 0.0), 1.0)) ** 5
 
 
 @compiled
-def _glass(direction: Vector, normal: Vector, eta: float) -> tuple[Vector, float, bool]:
+def through_glass(direction: Vector, normal: Vector, eta: float) -> tuple[Vector, float, bool]:
     """Refracted direction, Fresnel's transmittance, and whether light crosses; if not, the reflected direction."""
     cosine = -dot(normal, direction)
     tangential = along(direction, cosine, normal)
@@ -250,7 +250,7 @@ def _bend(
     if len(rays.origins) and (mirror or far):
         bent = unit(_blend(rays.directions, face, weights))
         change = along(bent, -1.0, direction)
-        share = _schlick(constant, 0.5 * math.sqrt(dot(change, change)))
+        share = schlick(constant, 0.5 * math.sqrt(dot(change, change)))
         if far:
             share = 0.0
             for corner in range(3):
@@ -263,11 +263,11 @@ def _bend(
     crosses = False
     if mirror:
         cosine = -dot(normal, direction)
-        bent, share = along(direction, 2.0 * cosine, normal), _schlick(constant, cosine)
+        bent, share = along(direction, 2.0 * cosine, normal), schlick(constant, cosine)
     else:
         if dot(normal, direction) >= 0.0:
             normal = geometric
-        bent, share, crosses = _glass(direction, normal, 1.0 / constant if side > 0.0 else constant)
+        bent, share, crosses = through_glass(direction, normal, 1.0 / constant if side > 0.0 else constant)
     if not exact:
         # An interpolated normal can send the ray through the flat triangle: it stays on its side.
         height = dot(bent, geometric)

@@ -184,7 +184,7 @@ def test_cube_faces_share_their_depth_buffer_and_make_their_depths_on_first_use(
         return targets.make_texture(size, form, *arguments, **named)
 
     monkeypatch.setattr(cube, "make_texture", counted)
-    monkeypatch.setattr(cube, "_stand_in", lambda: targets.make_texture((1, 1), "rgba32float"))
+    monkeypatch.setattr(cube, "stand_in", lambda: targets.make_texture((1, 1), "rgba32float"))
     made_now = cube.CubeMap(np.zeros(3), 8, 0.1)
     assert sorted(made) == ["depth32float", "rgba16float"]
     assert len({id(face.textures[0]) for face in made_now.colors}) == 1

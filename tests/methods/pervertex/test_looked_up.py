@@ -37,7 +37,7 @@ def drawn_texels(session):
 def test_the_picture_is_that_of_whole_maps(name, options, monkeypatch):
     """Bit for bit: mirrors and lenses, with one map and two, convex and closed, with mirrors in their maps."""
     bounded = opened(name, f"pervertex:{options}")
-    monkeypatch.setattr(PerVertexDrawing, "_bound", None)
+    monkeypatch.setattr(PerVertexDrawing, "leave_out", None)
     whole = opened(name, f"pervertex:{options}")
     # Of tiny maps the boxes may hold all.
     assert drawn_texels(bounded) < drawn_texels(whole) or options == "resolution=0.2"
@@ -48,5 +48,5 @@ def test_the_picture_is_that_of_whole_maps(name, options, monkeypatch):
 def test_maps_are_whole_where_other_texels_count(options, monkeypatch):
     """Where steps lead elsewhere, or a filter or a border reaches farther."""
     session = opened("car-mirror", f"pervertex:{options}")
-    monkeypatch.setattr(PerVertexDrawing, "_bound", None)
+    monkeypatch.setattr(PerVertexDrawing, "leave_out", None)
     assert drawn_texels(session) == drawn_texels(opened("car-mirror", f"pervertex:{options}"))

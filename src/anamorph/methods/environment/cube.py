@@ -56,7 +56,7 @@ def cube_layout() -> wgpu.GPUBindGroupLayout:
 
 
 @of_device
-def _stand_in() -> wgpu.GPUTexture:
+def stand_in() -> wgpu.GPUTexture:
     return make_texture((1, 1), MAP_FORMATS[0])
 
 
@@ -92,7 +92,7 @@ class CubeMap:
         uniforms = np.concatenate([projection.uniform(square) for projection in projections])
         assert uniforms.nbytes == 6 * UNIFORM_BYTES
         self._resources = [storage_buffer(uniforms), color.create_view(dimension="cube"), map_sampler()]
-        self.group = self._bound(_stand_in())
+        self.group = self._bound(stand_in())
 
     @cached_property
     def depths(self) -> list[Target]:

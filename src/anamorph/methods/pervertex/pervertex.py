@@ -170,9 +170,9 @@ class PerVertexDrawing(SpecularDrawing):
             # The balls have colour, and no depth that could be taken for the scene's.
             at_once = self._options.antialias == 1 and self._marks is None
             kinds = (MapKind.BOTH,) if at_once else (MapKind.COLOR, MapKind.DEPTH)
-        self._pictures.draw_maps(encoder, self.stage.buffers, kinds, None if whole else self._bound)
+        self._pictures.draw_maps(encoder, self.stage.buffers, kinds, None if whole else self.leave_out)
 
-    def _bound(self, level: Level, number: int, depth_pass: wgpu.GPURenderPassEncoder) -> None:
+    def leave_out(self, level: Level, number: int, depth_pass: wgpu.GPURenderPassEncoder) -> None:
         """Leave out what no fragment looks up."""
         draw = level.lookers.get(number)
         if draw is None:

@@ -174,14 +174,9 @@ def _bench_deforming(arguments: argparse.Namespace) -> None:
     from anamorph.files.scene_file import DEFAULT_SIZE
     from anamorph.measure.table import print_table
 
-    what = "timing deforming"
-    with progress_bar(what) as report:
-        times = time_deforming(
-            arguments.method or DEFAULT,
-            arguments.size or DEFAULT_SIZE,
-            arguments.frames,
-            lambda done, total: report(done, total, what),
-        )
+    with progress_bar("timing deforming") as report:
+        size = arguments.size or DEFAULT_SIZE
+        times = time_deforming(arguments.method or DEFAULT, size, arguments.frames, report)
     print_table(deforming_table(times))
 
 
@@ -189,14 +184,8 @@ def _bench_editing(arguments: argparse.Namespace) -> None:
     from anamorph.bench.editing import SIZE, editing_table
     from anamorph.measure.table import print_table
 
-    what = "timing steps of a slider"
-    with progress_bar(what) as tell:
-        table = editing_table(
-            arguments.method or (),
-            arguments.size or SIZE,
-            arguments.steps,
-            lambda done, total: tell(done, total, what),
-        )
+    with progress_bar("timing steps of a slider") as report:
+        table = editing_table(arguments.method or (), arguments.size or SIZE, arguments.steps, report)
     print_table(table)
 
 

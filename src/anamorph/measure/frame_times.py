@@ -33,6 +33,11 @@ class Timing:
     n: int
 
 
+def timing_of(milliseconds: Sequence[float]) -> Timing:
+    """The timing of frames that took so long each."""
+    return Timing(statistics.median(milliseconds), min(milliseconds), max(milliseconds), len(milliseconds))
+
+
 def eye_path(scene: Scene, n: int) -> list[Camera]:
     """`n` cameras with the scene's target, whose eyes go round a small circle about its own, in the picture's plane."""
     camera = scene.camera
@@ -68,4 +73,4 @@ def timing_rounds(
             if round_number >= 0:
                 spent[name].append(1000.0 * (time.perf_counter() - start))
         yield round_number + WARM_UP + 1, counted + WARM_UP
-    return {name: Timing(statistics.median(ms), min(ms), max(ms), len(ms)) for name, ms in spent.items()}
+    return {name: timing_of(ms) for name, ms in spent.items()}

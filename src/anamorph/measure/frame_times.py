@@ -10,6 +10,7 @@ from typing import TypeVar
 
 import numpy as np
 
+from anamorph.base.vectors import tuple_of
 from anamorph.methods.session import Session
 from anamorph.scene.camera import Camera
 from anamorph.scene.model import Scene
@@ -45,8 +46,7 @@ def eye_path(scene: Scene, n: int) -> list[Camera]:
     radius = ORBIT * _eye_distance(scene)
     turns = 2.0 * np.pi * np.arange(n) / n
     offsets = radius * (np.cos(turns)[:, None] * right + np.sin(turns)[:, None] * up)
-    x, y, z = camera.position
-    return [replace(camera, position=(x + float(dx), y + float(dy), z + float(dz))) for dx, dy, dz in offsets]
+    return [replace(camera, position=tuple_of(camera.position + offset)) for offset in offsets]
 
 
 def _eye_distance(scene: Scene) -> float:

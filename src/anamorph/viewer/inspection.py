@@ -7,6 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from anamorph.base.errors import AnamorphError
+from anamorph.base.vectors import tuple_of
 from anamorph.frame import Frame
 from anamorph.measure.errors import ErrorMaps
 from anamorph.measure.status import STATUS_NAMES
@@ -62,7 +63,7 @@ def inspect(
         raise AnamorphError(f"pixel {pixel}: lies outside the picture of {size[0]} x {size[1]}; choose one inside")
     position, number, looks_at, status = _seen(frame, size, column, row, "frame")
     path = trace_path(space, camera, size, pixel)
-    point = _vector(position) if number else None
+    point = tuple_of(position) if number else None
     true = path[-1].name
     if truth is not None:
         true_position, true_number, _, _ = _seen(truth, size, column, row, "truth")
@@ -103,8 +104,8 @@ def trace_path(space: Space, camera: Camera, size: tuple[int, int], pixel: tuple
     far = last[11] if np.isfinite(last[11]) else space.surroundings.diagonal
     # A ray begins where the one before it has ended.
     points = [*records[1:, :3].astype(float), last[:3] + far * last[4:7]]
-    stops = [Stop(name, _vector(point)) for name, point in zip(names, points, strict=True)]
-    return (Stop(EYE, _vector(camera.position)), *stops)
+    stops = [Stop(name, tuple_of(point)) for name, point in zip(names, points, strict=True)]
+    return (Stop(EYE, tuple_of(camera.position)), *stops)
 
 
 def _seen(frame: Frame, size: tuple[int, int], column: int, row: int, which: str) -> tuple[np.ndarray, int, int, int]:
@@ -129,8 +130,3 @@ def _length(path: Sequence[Stop], point: Vector, specular: bool) -> float:
     """Along the true path's surfaces to `point`, or straight there."""
     points = np.array([*(stop.point for stop in (path[:-1] if specular else path[:1])), point])
     return float(np.linalg.norm(np.diff(points, axis=0), axis=1).sum())
-
-
-def _vector(values: Sequence[float] | np.ndarray) -> Vector:
-    x, y, z = (float(value) for value in values)
-    return x, y, z

@@ -7,7 +7,7 @@ from itertools import product
 
 import numpy as np
 
-from anamorph.base.vectors import Vector
+from anamorph.base.vectors import Vector, tuple_of
 from anamorph.optics.laws import reflect
 from anamorph.rays.caster import Caster
 from anamorph.scene.camera import Camera
@@ -137,14 +137,14 @@ def _observer(subject: _Subject, toward: np.ndarray, up: Vector, caster: Caster 
     """One that looks from `toward` (3,), as far away as shows all, or as the next wall lets it."""
     points = subject.points
     target = (points.min(axis=0) + points.max(axis=0)) / 2.0
-    axes = Camera(_tuple(target + toward), _tuple(target), up).axes()
+    axes = Camera(tuple_of(target + toward), tuple_of(target), up).axes()
     across, upward, ahead = axes @ (points - target).T
     offset = np.maximum(np.abs(across), np.abs(upward)) / FILLED
     wanted = float((offset / np.tan(np.radians(FIELD_OF_VIEW) / 2.0) - ahead).max())
     distance = _free(caster, target, toward, wanted)
     slope = (offset / np.maximum(distance + ahead, 1e-9 * wanted)).max()
     field_of_view = float(np.degrees(2.0 * np.arctan(slope)))
-    return Camera(_tuple(target + distance * toward), _tuple(target), up, min(field_of_view, TOO_WIDE))
+    return Camera(tuple_of(target + distance * toward), tuple_of(target), up, min(field_of_view, TOO_WIDE))
 
 
 def _merit(observer: Camera, subject: _Subject, caster: Caster | None) -> float:
@@ -168,8 +168,3 @@ def _free(caster: Caster | None, start: np.ndarray, toward: np.ndarray, wanted: 
 def _unit(vector: np.ndarray) -> np.ndarray:
     length = np.linalg.norm(vector)
     return vector / length if length > 0.0 else vector
-
-
-def _tuple(vector: np.ndarray) -> Vector:
-    x, y, z = vector.tolist()
-    return (x, y, z)

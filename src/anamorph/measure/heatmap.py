@@ -13,7 +13,8 @@ from anamorph.measure.errors import ErrorMaps
 VIRIDIS = ("#440154", "#472d7b", "#3b528b", "#2c728e", "#21918c", "#28ae80", "#5ec962", "#addc30", "#fde725")
 """Evenly spaced colours of the viridis map: equal steps look equal, also in grey and to the colour-blind."""
 
-_STOPS = np.array([[int(color[i : i + 2], 16) for i in (1, 3, 5)] for color in VIRIDIS], float)
+STOPS = np.array([[int(color[i : i + 2], 16) for i in (1, 3, 5)] for color in VIRIDIS], float)
+"""The same as numbers from 0 to 255."""
 
 
 @dataclass(frozen=True)
@@ -48,7 +49,7 @@ def scale_colors(errors: np.ndarray, scale: Scale = MILLIRADIANS) -> np.ndarray:
     place = np.log(clipped / scale.lowest) / np.log(scale.highest / scale.lowest) * (len(VIRIDIS) - 1)
     below = np.minimum(place.astype(int), len(VIRIDIS) - 2)
     part = (place - below)[..., None]
-    return np.round((1.0 - part) * _STOPS[below] + part * _STOPS[below + 1]).astype(np.uint8)
+    return np.round((1.0 - part) * STOPS[below] + part * STOPS[below + 1]).astype(np.uint8)
 
 
 def heat_map(maps: ErrorMaps, truth_color: np.ndarray) -> np.ndarray:

@@ -44,17 +44,8 @@ def _pipeline(fragment: str, target: dict[str, Any]) -> wgpu.GPURenderPipeline:
     )
 
 
-class _Bound:
-    """The bind group of whichever texture was bound last."""
-
-    def __init__(self) -> None:
-        self._texture: wgpu.GPUTexture | None = None
-        self._group: wgpu.GPUBindGroup | None = None
-
-    def group(self, of: wgpu.GPUTexture) -> wgpu.GPUBindGroup:
-        if self._texture is not of:
-            self._texture, self._group = of, bind(_layout(), [of.create_view(), _sampler()])
-        return self._group
+def _bound(shown: wgpu.GPUTexture) -> wgpu.GPUBindGroup:
+    return bind(_layout(), [shown.create_view(), _sampler()])
 
 
 class Composer:
@@ -62,7 +53,6 @@ class Composer:
 
     def __init__(self, form: str) -> None:
         self._pipelines = {name: _pipeline(name, {"format": form}) for name in FRAGMENTS}
-        self._bound = _Bound(), _Bound()
 
     def draw(
         self,
@@ -86,7 +76,7 @@ class Composer:
             return
         render_pass.set_viewport(left, top, width, height, 0.0, 1.0)
         middle = round(width * divider) if len(halves) > 1 else width
-        for half, bound, (start, stop) in zip(halves, self._bound, ((0, middle), (middle, width)), strict=False):
+        for half, (start, stop) in zip(halves, ((0, middle), (middle, width)), strict=False):
             shown = half.false_color or half.picture
             if shown is None or stop <= start:
                 continue
@@ -94,7 +84,7 @@ class Composer:
             name = "false_color" if half.false_color else "sharp_picture" if sharp else "blended_picture"
             render_pass.set_scissor_rect(left + start, top, stop - start, height)
             render_pass.set_pipeline(self._pipelines[name])
-            render_pass.set_bind_group(0, bound.group(shown))
+            render_pass.set_bind_group(0, _bound(shown))
             render_pass.draw(3)
         render_pass.set_scissor_rect(left, top, width, height)
 
@@ -106,7 +96,6 @@ class Average:
         self.texture = make_texture(size, COLOR_FORMAT)
         self.count = 0
         self._view = self.texture.create_view()
-        self._bound = _Bound()
 
     def restart(self) -> None:
         """Forget all pictures."""
@@ -125,7 +114,7 @@ class Average:
         }
         render_pass = encoder.begin_render_pass(color_attachments=[attachment])
         render_pass.set_pipeline(_averaging())
-        render_pass.set_bind_group(0, self._bound.group(picture))
+        render_pass.set_bind_group(0, _bound(picture))
         render_pass.set_blend_constant((1.0 / self.count,) * 4)
         render_pass.draw(3)
         render_pass.end()

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from anamorph.frame import Frame, View
+from anamorph.frame import View
 from anamorph.methods import Specification
+from anamorph.rendering import draw_frame
 from anamorph.scene.camera import Camera
 from anamorph.viewer.facts import Inspection
 from anamorph.viewer.inspection import inspect, trace_path
@@ -73,7 +74,7 @@ class Inspector:
         self.inspection, self._picked, self._by_eye = None, state.picked, True
         method, eye = _method(state), looking_eye(state)
         view = View(space.scene, eye, size)
-        frames = {each: seen_frame(view, each) for each in (TRUTH, method)}
+        frames = {each: draw_frame(view, each, seen=True) for each in (TRUTH, method)}
         self._found(space, state, eye, size, measure_half(frames[TRUTH], frames[method]))
 
     def _look(self, space: Space, state: State, size: Size, showing: Showing) -> None:
@@ -88,12 +89,6 @@ class Inspector:
         self.inspection = inspect(space, camera, size, pixel, _method(state), seen.frame, seen.truth, seen.maps)
         self._picked, self._measured, self._size = state.picked, seen, size
         self._by_eye, self._traced = not state.picked_outside, (space, camera)
-
-
-def seen_frame(view: View, specification: Specification) -> Frame:
-    session = specification.open(view)
-    session.draw(view.camera)
-    return session.frame(seen=True)
 
 
 def _method(state: State) -> Specification:

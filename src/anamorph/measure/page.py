@@ -29,7 +29,7 @@ def comparison_page(comparison: Comparison) -> str:
         truth=escape(comparison.truth),
         size=f"{width} x {height}",
         adapter=escape(comparison.adapter),
-        head=_head(comparison),
+        head="".join(f'<th scope="col">{_breakable(result.name)}</th>' for result in comparison.methods),
         rows=_rows(comparison),
         frames=max((result.timing.n for result in comparison.methods), default=0),
         plain=_plain(comparison),
@@ -49,10 +49,6 @@ def specular_box(specular: np.ndarray) -> tuple[slice, slice]:
         slice(max(0, int(rows[0]) - MARGIN), int(rows[-1]) + MARGIN + 1),
         slice(max(0, int(columns[0]) - MARGIN), int(columns[-1]) + MARGIN + 1),
     )
-
-
-def _head(comparison: Comparison) -> str:
-    return "".join(f'<th scope="col">{_breakable(result.name)}</th>' for result in comparison.methods)
 
 
 def _rows(comparison: Comparison) -> str:

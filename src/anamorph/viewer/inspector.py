@@ -86,7 +86,7 @@ class Inspector:
         assert state.picked is not None
         x, y = state.picked
         pixel = min(int(x * size[0]), size[0] - 1), min(int(y * size[1]), size[1] - 1)
-        self.inspection = inspect(space, camera, size, pixel, _method(state), seen.frame, seen.truth, seen.maps)
+        self.inspection = inspect(space, camera, pixel, _method(state), seen)
         self._picked, self._measured, self._size = state.picked, seen, size
         self._by_eye, self._traced = not state.picked_outside, (space, camera)
 

@@ -99,7 +99,9 @@ def _render(arguments: argparse.Namespace) -> None:
     for name, path in arguments.seen:
         save_array(path, getattr(frame, name))
     if arguments.tolerance is not None and frame.specular is not None:
-        print(_shares(status_shares(frame, frame.specular > 0)))
+        shares = status_shares(frame, frame.specular > 0).items()
+        shown = ", ".join(f"{status} {share:.1f} %" for status, share in shares)
+        print(f"pixels of mirrors and lenses: {shown or 'none'}")
     lost, ended = gaps(frame, scene)
     if lost + ended > NOTEWORTHY:
         share = f"{100.0 * (lost + ended):.0f}% of the pixels of mirrors and lenses"
@@ -247,12 +249,6 @@ def _remedy(specification: Specification, ended: bool) -> str:
     if ended and options.bounces < MAXIMUM_BOUNCES:
         return f"more bounces than {options.bounces}, as -m pervertex:bounces={MAXIMUM_BOUNCES}, or --tolerance 0.5"
     return "--tolerance 0.5"
-
-
-def _shares(shares: dict[str, float]) -> str:
-    """How the pixels of mirrors and lenses got their value, in one line."""
-    shown = ", ".join(f"{status} {share:.1f} %" for status, share in shares.items())
-    return f"pixels of mirrors and lenses: {shown or 'none'}"
 
 
 def _check_distinct(*paths: Path) -> None:

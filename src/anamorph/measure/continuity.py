@@ -99,7 +99,8 @@ def border_errors(
     nothing = [np.zeros(shape) for shape in ((0, 3), (0, 2), 0, 0, 0)]
     columns = [np.concatenate(column) for column in zip(nothing, *measured, strict=True)]
     edges, left_out = sum(len(part.ends) for part in parts), sum(int((~part.usable).sum()) for part in parts)
-    return BorderErrors(*columns, edges, left_out)
+    points, places, where, angles, pixels = columns
+    return BorderErrors(points, places, where, angles, pixels, edges, left_out)
 
 
 @dataclass(frozen=True, eq=False)

@@ -68,17 +68,13 @@ def heat_colors(maps: ErrorMaps, truth_color: np.ndarray, scale: Scale = MILLIRA
 def faint(color: np.ndarray) -> np.ndarray:
     """A linear picture (H, W, 3) in grey so faint that colours stand out on it: opaque 8-bit sRGB, (H, W, 4) uint8."""
     encoded = _encoded()[_upper_half(color)]
-    return unpacked(_faint()[encoded[..., 0] + encoded[..., 1] + encoded[..., 2]])
+    grey = _faint()[encoded[..., 0] + encoded[..., 1] + encoded[..., 2]]
+    return grey.view(np.uint8).reshape(*grey.shape, 4)
 
 
 def packed(colors: np.ndarray) -> np.ndarray:
     """The same memory with one number a colour: (..., 4) uint8 to (...) uint32, which moves four times as fast."""
     return colors.view(np.uint32)[..., 0]
-
-
-def unpacked(numbers: np.ndarray) -> np.ndarray:
-    """The same memory with four numbers a colour: (...) uint32 to (..., 4) uint8."""
-    return numbers.view(np.uint8).reshape(*numbers.shape, 4)
 
 
 def opaque(colors: np.ndarray) -> np.ndarray:

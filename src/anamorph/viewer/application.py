@@ -240,10 +240,10 @@ class Viewer:
             return
         if self._showing.update(scene, self.state, size):
             self._changed_at, self._refined_at = now, np.inf
-            if self._showing.moving:
+            if self._showing.moving or self._later is None:
                 self._canvas.request_draw()
             else:
-                self._wake(REST_DELAY)
+                self._later(REST_DELAY, self._canvas.request_draw)
             return
         if self._job is not None:
             self._save(self._job)
@@ -257,12 +257,6 @@ class Viewer:
             self._refined_at = perf_counter()
             if self._refined_at - now >= taken:
                 break
-
-    def _wake(self, seconds: float) -> None:
-        if self._later is None:
-            self._canvas.request_draw()
-        else:
-            self._later(seconds, self._canvas.request_draw)
 
     def _paint(self) -> None:
         pixels = self._pixels

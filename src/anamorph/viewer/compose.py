@@ -24,7 +24,6 @@ class Shown:
     false_color: wgpu.GPUTexture | None = None
 
 
-@of_device
 def _layout() -> wgpu.GPUBindGroupLayout:
     return layout_of(texture(), SAMPLER)
 

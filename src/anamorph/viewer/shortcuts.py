@@ -128,10 +128,6 @@ def _toggle_observer(state: State, home: Start) -> State:
     return with_observer(state, first_observer(home.scene, state.camera) if state.observer is None else None)
 
 
-def _remember(state: State, home: Start) -> State:
-    return remember(state)
-
-
 def _orbit(state: State, home: Start, right: float, up: float) -> State:
     return steer(state, lambda camera: orbit(camera, right, up))
 
@@ -174,7 +170,7 @@ SHORTCUTS: tuple[Shortcut, ...] = (
     Shortcut(("-",), "View", "farther", partial(_zoom, factor=1.0 / NEARER)),
     Shortcut(("E",), "View", "left, middle or right eye", _next_eye),
     Shortcut(("O",), "View", "look from outside", _toggle_observer),
-    Shortcut(("K",), "View", "remember the view", _remember),
+    Shortcut(("K",), "View", "remember the view", lambda state, home: remember(state)),
     Shortcut(("S",), "Halves", "split the picture", partial(_toggle, flag="split")),
     Shortcut(("X",), "Halves", "swap the halves", _swap),
     Shortcut(("M",), "Halves", "next method, first half", partial(_next_method, half="first")),

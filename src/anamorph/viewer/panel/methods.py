@@ -82,11 +82,6 @@ def space_section(sheet: Sheet, state: State) -> State:
     return replace(state, drawings=frozenset(drawings))
 
 
-def method_title(name: str) -> str:
-    """What a method is called in lists."""
-    return f"{name} (the truth)" if name == TRUTH.method.name else name
-
-
 def few_bounces(options: Any, scene: Scene) -> str:
     """What to say of options that follow light over fewer mirrors and faces of lenses than the truth does."""
     shown, true = getattr(options, BOUNCES, None), getattr(TRUTH.options, BOUNCES)
@@ -127,7 +122,7 @@ def _methods(facts: Facts) -> tuple[Choice, ...]:
     return tuple(
         Choice(
             name,
-            method_title(name),
+            f"{name} (the truth)" if name == TRUTH.method.name else name,
             method.summary,
             glass.format(name) if facts.scene.refracts and not method.refracts else "",
         )

@@ -40,20 +40,17 @@ def timing_of(milliseconds: Sequence[float]) -> Timing:
 
 
 def eye_path(scene: Scene, n: int) -> list[Camera]:
-    """`n` cameras with the scene's target, whose eyes go round a small circle about its own, in the picture's plane."""
+    """`n` cameras with the scene's target, whose eyes go round a small circle about its own, in the picture's plane.
+
+    Its radius follows from how far the nearest vertex of a specular mesh is, or the target where there is none.
+    """
     camera = scene.camera
     right, up, _ = camera.axes()
-    radius = ORBIT * _eye_distance(scene)
+    places = [mesh.positions for mesh in scene.meshes if mesh.specular] or [np.array([camera.target])]
+    radius = ORBIT * np.linalg.norm(np.concatenate(places).astype(float) - camera.position, axis=1).min()
     turns = 2.0 * np.pi * np.arange(n) / n
     offsets = radius * (np.cos(turns)[:, None] * right + np.sin(turns)[:, None] * up)
     return [replace(camera, position=tuple_of(camera.position + offset)) for offset in offsets]
-
-
-def _eye_distance(scene: Scene) -> float:
-    """From the eye to the nearest vertex of a specular mesh, or to the target where there is none."""
-    places = [mesh.positions for mesh in scene.meshes if mesh.specular] or [np.array([scene.camera.target])]
-    offsets = np.concatenate(places).astype(float) - scene.camera.position
-    return float(np.linalg.norm(offsets, axis=1).min())
 
 
 def timing_rounds(

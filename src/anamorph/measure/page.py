@@ -112,9 +112,8 @@ def _figure(pixels: np.ndarray, alt: str, caption: str) -> str:
 
 def _scale() -> str:
     gradient = f"background:linear-gradient(to right,{','.join(VIRIDIS)})"
-    labels = [f"{tick:g}" for tick in MILLIRADIANS.ticks]
     ends = f"{MILLIRADIANS.lowest:g} or less to {MILLIRADIANS.highest:g} or more milliradians, logarithmic"
-    ticks = "".join(f"<span>{label}</span>" for label in labels)
+    ticks = "".join(f"<span>{tick:g}</span>" for tick in MILLIRADIANS.ticks)
     return (
         f'<div class="scale"><div class="bar" style="{gradient}" role="img" aria-label="Colour scale: {ends}"></div>'
         f'<div class="ticks" aria-hidden="true">{ticks}</div></div>'

@@ -215,15 +215,13 @@ class Viewer:
             # A window that cannot be drawn into now; the canvas tries again.
             raise
         except Exception as error:
-            self._show_message(failure_text(error, "drawing"))
+            message = failure_text(error, "drawing")
+            # It may come up again with every frame, which needs no frame for each.
+            if message != self.message:
+                self.message = message
+                self.refresh()
             if isinstance(error, wgpu.GPUError):
                 self._let_go()
-
-    def _show_message(self, message: str) -> None:
-        """Show a message that may come up again with every frame, without a frame for each."""
-        if message != self.message:
-            self.message = message
-            self.refresh()
 
     def _recover(self) -> None:
         """Go on with a new device, because the old one is lost, with everything opened anew."""

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any
 
@@ -12,8 +14,6 @@ from anamorph.gpu.bindings import SAMPLER, bind, layout_of, texture
 from anamorph.gpu.device import get_device, of_device
 from anamorph.gpu.shaders import shader_module
 from anamorph.gpu.targets import COLOR_FORMAT, PIXEL_FORMAT, make_texture
-
-FRAGMENTS = ("sharp_picture", "blended_picture", "false_color")
 
 
 @dataclass(frozen=True, eq=False)
@@ -26,6 +26,19 @@ class Shown:
 
 def _layout() -> wgpu.GPUBindGroupLayout:
     return layout_of(texture(), SAMPLER)
+
+
+@contextmanager
+def color_pass(target: wgpu.GPUTexture, load: str = "clear") -> Iterator[wgpu.GPURenderPassEncoder]:
+    """A pass into one texture, which begins black or with what is there, and is submitted when the block ends."""
+    device = get_device()
+    encoder = device.create_command_encoder()
+    view, black = target.create_view(), (0.0, 0.0, 0.0, 1.0)
+    attachment = {"view": view, "clear_value": black, "load_op": load, "store_op": "store"}
+    render_pass = encoder.begin_render_pass(color_attachments=[attachment])
+    yield render_pass
+    render_pass.end()
+    device.queue.submit([encoder.finish()])
 
 
 @of_device
@@ -51,7 +64,8 @@ class Composer:
     """Draws the halves side by side, onto canvases of one `form`: a texture format without sRGB."""
 
     def __init__(self, form: str) -> None:
-        self._pipelines = {name: _pipeline(name, {"format": form}) for name in FRAGMENTS}
+        fragments = ("sharp_picture", "blended_picture", "false_color")
+        self._pipelines = {name: _pipeline(name, {"format": form}) for name in fragments}
 
     def draw(
         self,
@@ -94,7 +108,6 @@ class Average:
     def __init__(self, size: tuple[int, int]) -> None:
         self.texture = make_texture(size, COLOR_FORMAT)
         self.count = 0
-        self._view = self.texture.create_view()
 
     def restart(self) -> None:
         """Forget all pictures."""
@@ -103,21 +116,11 @@ class Average:
     def add(self, picture: wgpu.GPUTexture) -> None:
         """Take one more."""
         self.count += 1
-        device = get_device()
-        encoder = device.create_command_encoder()
-        attachment = {
-            "view": self._view,
-            "clear_value": (0, 0, 0, 0),
-            "load_op": "clear" if self.count == 1 else "load",
-            "store_op": "store",
-        }
-        render_pass = encoder.begin_render_pass(color_attachments=[attachment])
-        render_pass.set_pipeline(_averaging())
-        render_pass.set_bind_group(0, _bound(picture))
-        render_pass.set_blend_constant((1.0 / self.count,) * 4)
-        render_pass.draw(3)
-        render_pass.end()
-        device.queue.submit([encoder.finish()])
+        with color_pass(self.texture, "clear" if self.count == 1 else "load") as render_pass:
+            render_pass.set_pipeline(_averaging())
+            render_pass.set_bind_group(0, _bound(picture))
+            render_pass.set_blend_constant((1.0 / self.count,) * 4)
+            render_pass.draw(3)
 
 
 @of_device

@@ -58,7 +58,9 @@ class Inspector:
             elif showing.at_rest:
                 self._look_by_eye(space, state, size)
         elif showing.at_rest:
-            self._look(space, state, size, showing)
+            measured = showing.measured.get(_method(state))
+            if measured is not None and not (measured is self._measured and state.picked == self._picked):
+                self._found(space, state, shown_camera(state), size, measured)
         return self.inspection
 
     def _follow(self, space: Space, eye: Camera) -> None:
@@ -76,11 +78,6 @@ class Inspector:
         view = View(space.scene, eye, size)
         frames = {each: draw_frame(view, each, seen=True) for each in (TRUTH, method)}
         self._found(space, state, eye, size, measure_half(frames[TRUTH], frames[method]))
-
-    def _look(self, space: Space, state: State, size: Size, showing: Showing) -> None:
-        measured = showing.measured.get(_method(state))
-        if measured is not None and not (measured is self._measured and state.picked == self._picked):
-            self._found(space, state, shown_camera(state), size, measured)
 
     def _found(self, space: Space, state: State, camera: Camera, size: Size, seen: Measured) -> None:
         assert state.picked is not None

@@ -50,8 +50,7 @@ def look(camera: Camera, right: float, up: float) -> Camera:
     right, up : float
         How far it turns, radians. It stops short of straight up and straight down.
     """
-    ahead = np.subtract(camera.target, camera.position)
-    ahead = _turned(ahead, camera.up, -right, up)
+    ahead = _turned(np.subtract(camera.target, camera.position), camera.up, -right, up)
     return _placed(camera, camera.position + ahead, -ahead)
 
 

@@ -37,9 +37,8 @@ def free_name(directory: str | Path, stem: str, suffix: str) -> Path:
 def save_picture(path: str | Path, pixels: np.ndarray) -> str:
     """Save a picture as it is shown, (H, W, 3) uint8 sRGB, as PNG."""
     path = output.check_output(path, (".png",))
-    encoded = output.pixel_bytes(np.ascontiguousarray(pixels))
     with output.whole_file(path) as file:
-        file.write(encoded)
+        file.write(output.pixel_bytes(np.ascontiguousarray(pixels)))
     return saved(path)
 
 

@@ -8,12 +8,21 @@ from typing import Any
 import numpy as np
 from rendercanvas.offscreen import OffscreenRenderCanvas
 
+from anamorph.files.scene_file import Settings
+from anamorph.files.view_file import Opened
+from anamorph.scene.model import Scene
 from anamorph.viewer.application import Later, Viewer
 from anamorph.viewer.layout import picture_area
 from anamorph.viewer.starting import Start
+from anamorph.viewer.state import State
 
 PATIENCE = 10_000
 """Frames for what takes a few: a frame does what there is time for, which on a busy machine is little."""
+
+
+def home_of(state: State, scene: Scene) -> Start:
+    """Where a viewer of a scene starts that was opened as it is."""
+    return Start(Opened(scene, Settings(), scene.camera), state)
 
 
 class Hand:

@@ -95,13 +95,6 @@ class Frame:
     ray_mesh: bool = False
     figures: Mapping[str, float] = field(default_factory=dict)
 
-    @property
-    def outside_share(self) -> float:
-        """The share of the pixels on specular surfaces for which the method had no answer; needs the seen buffers."""
-        if self.specular is None or self.status is None or not (self.specular > 0).any():
-            return 0.0
-        return float((self.status[self.specular > 0] == Status.OUTSIDE).mean())
-
     def save(self, path: str | Path) -> None:
         """Write the picture, whole or not at all, in the format that the suffix of `path` names."""
         save_picture(Path(path), self.color)

@@ -12,7 +12,7 @@ from anamorph.base.steps import drain
 from anamorph.files.opening import open_scene
 from anamorph.files.scene_file import Settings
 from anamorph.frame import Frame, View
-from anamorph.methods import METHODS, Method, Session, Specification
+from anamorph.methods import METHODS, Method, Specification
 from anamorph.methods.averaging import averaging
 from anamorph.raymesh import RayMesh, check_ray_mesh
 from anamorph.scene.camera import Camera
@@ -26,12 +26,8 @@ Drawn = Callable[[int, int], None]
 def draw_frame(
     view: View, specification: Specification, seen: bool = False, report: Drawn = lambda done, total: None
 ) -> Frame:
-    """Draw one frame of `view`."""
-    return accumulate(view, specification.open(view), seen, report)
-
-
-def accumulate(view: View, session: Session, seen: bool = False, report: Drawn = lambda done, total: None) -> Frame:
-    """Average the shifted pictures that `view.samples` asks for; seen buffers are those of pixel centres."""
+    """Draw the mean of the shifted pictures that `view.samples` asks for; seen buffers are those of pixel centres."""
+    session = specification.open(view)
     color = drain(averaging(session, view.camera, view.samples), lambda drawn: report(*drawn))
     if not seen:
         return Frame(color, ray_mesh=isinstance(view.camera, RayMesh))
@@ -82,7 +78,7 @@ def render(
         if opened is scene or camera is not None:
             opened = check_scene(dataclasses.replace(opened, camera=camera or opened.camera))
         view = View(opened, opened.camera, size or settings.size, samples)
-    return accumulate(view, chosen.open(view), seen)
+    return draw_frame(view, chosen, seen)
 
 
 def _check_sees(method: Method, camera: RayMesh) -> None:

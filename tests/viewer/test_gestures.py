@@ -10,17 +10,17 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from rendercanvas import CursorShape
 from scenes import CAMERA, scene_with, spherical_mirror
+from viewer_hand import home_of
 
 from anamorph.methods import Specification
 from anamorph.scene.camera import Camera
 from anamorph.viewer.gestures import DIVIDER_LIMITS, GESTURES, NO_GRIP, Held, cursor, handle
-from anamorph.viewer.home import Home
 from anamorph.viewer.navigation import FARTHEST, NARROWEST, NEAREST, OUTERMOST, WIDEST
 from anamorph.viewer.state import Half, State
 
 SIZE = (800, 600)
 STATE = State(CAMERA, Half(Specification.parse("pervertex")), Half(Specification.parse("raytrace")))
-HOME = Home(STATE, scene_with(spherical_mirror()))
+HOME = home_of(STATE, scene_with(spherical_mirror()))
 LEFT, RIGHT, MIDDLE = 1, 2, 3
 
 

@@ -19,6 +19,7 @@ from anamorph.scene.camera import Camera
 from anamorph.scene.model import Diffuse, Glass, Scene
 from anamorph.viewer.facts import Inspection
 from anamorph.viewer.inspection import inspect, trace_path
+from anamorph.viewer.measured import measure_half
 from anamorph.viewer.space import Space
 
 
@@ -32,11 +33,11 @@ def frame_of(name: str, method: str) -> Frame:
     return drawn(space_of(name).scene, method)
 
 
-def inspected(name: str, pixel: tuple[int, int], method: str = "pervertex", compared: bool = False) -> Inspection:
-    space, frame = space_of(name), frame_of(name, method)
-    truth = frame_of(name, "raytrace") if compared else None
-    maps = measure(truth, frame).maps if truth is not None else None
-    return inspect(space, space.scene.camera, SIZE, pixel, method, frame, truth, maps)
+def inspected(name: str, pixel: tuple[int, int], method: str = "pervertex") -> Inspection:
+    space = space_of(name)
+    return inspect(
+        space, space.scene.camera, pixel, method, measure_half(frame_of(name, "raytrace"), frame_of(name, method))
+    )
 
 
 def points(inspection: Inspection) -> np.ndarray:
@@ -75,7 +76,7 @@ def test_what_is_seen_directly_has_one_leg():
     frame = frame_of("test", "pervertex")
     rows, columns = np.nonzero((frame.specular == 0) & (frame.object_id == 2))
     pixel = int(columns[-1]), int(rows[-1])
-    found = inspected("test", pixel, compared=True)
+    found = inspected("test", pixel)
     assert [stop.name for stop in found.path] == ["eye", "floor"] == ["eye", found.seen]
     assert found.point == pytest.approx(frame.position[pixel[1], pixel[0]])
     assert found.distance == pytest.approx(np.linalg.norm(np.subtract(found.point, CAMERA.position)))
@@ -87,7 +88,7 @@ def test_a_sky_pixel_goes_as_far_as_the_scene_is_large():
     space = Space(scene)
     frame = drawn(scene, "raytrace")
     for pixel, names in [((1, 1), ["eye", "sky"]), ((80, 60), ["eye", "mirror", "sky"])]:
-        found = inspect(space, CAMERA, SIZE, pixel, "raytrace", frame, frame)
+        found = inspect(space, CAMERA, pixel, "raytrace", measure_half(frame, frame))
         assert [stop.name for stop in found.path] == names and found.seen == found.truth == "sky"
         assert found.point is None and found.distance is None and found.status == "sky"
         last = points(found)[-1] - points(found)[-2]
@@ -142,7 +143,7 @@ def test_a_path_is_followed_into_glass_and_round_a_total_reflection():
     assert [stop.name for stop in path] == ["eye", "block", "block", "block", "wall"]
     assert np.array([stop.point for stop in path]) == pytest.approx(np.array(wanted), abs=1e-5)
     frame = drawn(scene, "raytrace", size)
-    assert inspect(Space(scene), camera, size, (1, 1), "raytrace", frame).status == "total reflection"
+    assert inspect(Space(scene), camera, (1, 1), "raytrace", measure_half(frame, frame)).status == "total reflection"
 
 
 def test_a_path_stops_after_eight_bounces():
@@ -159,7 +160,7 @@ def test_a_path_stops_after_eight_bounces():
     wanted = np.column_stack([0.05 + 0.1 * turns, np.zeros(9), turns % 2])
     assert np.array([stop.point for stop in path[1:]]) == pytest.approx(wanted, abs=1e-6)
     frame = drawn(scene, "raytrace", (3, 3))
-    found = inspect(Space(scene), camera, (3, 3), (1, 1), "raytrace", frame)
+    found = inspect(Space(scene), camera, (1, 1), "raytrace", measure_half(frame, frame))
     assert found.status == "outside" and found.seen == found.truth == "front"
     assert found.distance == pytest.approx(np.hypot(8.5, 0.85), rel=1e-5)
 
@@ -167,25 +168,17 @@ def test_a_path_stops_after_eight_bounces():
 def test_errors_are_those_of_the_maps():
     maps = measure(frame_of("car-mirror", "raytrace"), frame_of("car-mirror", "environment")).maps
     row, column = np.argwhere(maps.specular & ~maps.silhouette & (maps.angular > 5.0))[7].tolist()
-    found = inspected("car-mirror", (column, row), "environment", compared=True)
+    found = inspected("car-mirror", (column, row), "environment")
     assert found.angular_mrad == maps.angular[row, column] and found.pixels == maps.pixels[row, column]
     assert not found.silhouette
     row, column = np.argwhere(maps.silhouette)[3].tolist()
-    assert inspected("car-mirror", (column, row), "environment", compared=True).silhouette
-
-
-def test_without_maps_no_error_is_known():
-    truth, frame = frame_of("car-mirror", "raytrace"), frame_of("car-mirror", "environment")
-    maps, space = measure(truth, frame).maps, space_of("car-mirror")
-    row, column = np.argwhere(maps.specular & (frame.specular > 0))[50].tolist()
-    found = inspect(space, space.scene.camera, SIZE, (column, row), "environment", frame, truth)
-    assert found.angular_mrad is None and found.pixels is None and not found.silhouette
+    assert inspected("car-mirror", (column, row), "environment").silhouette
 
 
 def test_what_shows_nothing_says_so():
     frame = frame_of("test", "pervertex")
     empty = replace(frame, object_id=np.zeros_like(frame.object_id), position=np.zeros_like(frame.position))
-    found = inspect(space_of("test"), CAMERA, SIZE, (80, 60), "pervertex", empty, frame_of("test", "raytrace"))
+    found = inspect(space_of("test"), CAMERA, (80, 60), "pervertex", measure_half(frame_of("test", "raytrace"), empty))
     assert found.seen == "nothing" and found.point is None and found.distance is None
     assert found.truth == found.path[-1].name != "nothing"
 
@@ -194,7 +187,8 @@ def test_what_the_method_sees_directly_lies_straight_ahead_whatever_the_truth_do
     frame = frame_of("test", "pervertex")
     direct = replace(frame, specular=np.zeros_like(frame.specular))
     (column, row), *_ = [(x, y) for y, x in np.argwhere((frame.specular > 0) & (frame.object_id > 0)).tolist()]
-    found = inspect(space_of("test"), CAMERA, SIZE, (column, row), "pervertex", direct)
+    measured = measure_half(frame_of("test", "raytrace"), direct)
+    found = inspect(space_of("test"), CAMERA, (column, row), "pervertex", measured)
     assert len(found.path) > 2
     assert found.distance == pytest.approx(np.linalg.norm(np.subtract(frame.position[row, column], CAMERA.position)))
 
@@ -203,13 +197,3 @@ def test_what_the_method_sees_directly_lies_straight_ahead_whatever_the_truth_do
 def test_a_pixel_outside_is_refused(pixel):
     with pytest.raises(AnamorphError, match=r"pixel .*outside the picture of 160 x 120"):
         inspected("test", pixel)
-
-
-def test_frames_without_seen_buffers_or_of_another_size_are_refused():
-    frame, space = frame_of("test", "pervertex"), space_of("test")
-    with pytest.raises(AnamorphError, match="frame: has no seen buffers; draw it with seen=True"):
-        inspect(space, CAMERA, SIZE, (3, 3), "pervertex", Frame(frame.color))
-    with pytest.raises(AnamorphError, match="truth: has no seen buffers"):
-        inspect(space, CAMERA, SIZE, (3, 3), "pervertex", frame, Frame(frame.color))
-    with pytest.raises(AnamorphError, match="frame: is 160 x 120, not 80 x 60"):
-        inspect(space, CAMERA, (80, 60), (3, 3), "pervertex", frame)

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from panel_stage import Stage, inside, overlap
 from scenes import scene_with, spherical_mirror
-from viewer_hand import Hand
+from viewer_hand import Hand, home_of
 
 from anamorph.base.errors import AnamorphError
 from anamorph.files.models import SUFFIXES
@@ -22,7 +22,6 @@ from anamorph.methods import Specification
 from anamorph.scene.model import Scene
 from anamorph.viewer import application, starting
 from anamorph.viewer.facts import Facts, Progress
-from anamorph.viewer.home import Home
 from anamorph.viewer.saving import save_scene
 from anamorph.viewer.shortcuts import press
 from anamorph.viewer.starting import Start, carried_over, start_of
@@ -97,7 +96,7 @@ def test_escape_leaves_the_page(opened) -> None:
     stage.type("half a na")
     stage.key("Escape")
     assert stage.state == before and not stage.drawn.typing and stage.opens == []
-    home = Home(before, stage.facts.scene)
+    home = home_of(before, stage.facts.scene)
     escape = {"key": "Escape"}
     assert press(escape, replace(before, opening="x", picked=(0.5, 0.5)), home)[0] == replace(before, picked=(0.5, 0.5))
     assert press(escape, replace(before, opening="x", help=True), home)[0] == replace(before, opening="x")
@@ -111,7 +110,7 @@ def test_the_key_shows_a_hidden_panel_and_hides_only_the_page(scene) -> None:
         panel=False,
         opening="typed",
     )
-    home, event = Home(state, scene), {"key": "o", "modifiers": ("Control",)}
+    home, event = home_of(state, scene), {"key": "o", "modifiers": ("Control",)}
     shown, _ = press(event, state, home)
     assert shown == replace(state, panel=True)
     assert press(event, shown, home)[0] == replace(shown, opening=None)

@@ -292,11 +292,11 @@ def test_a_method_that_cannot_look_for_the_eye_is_told_of_once(hand: Hand, monke
     hand.settle()
     asked = []
 
-    def failing(view: View, specification: str) -> Frame:
+    def failing(view: View, specification: Specification, seen: bool) -> Frame:
         asked.append(view.camera)
         raise AnamorphError("it looks at nothing")
 
-    monkeypatch.setattr("anamorph.viewer.inspector.seen_frame", failing)
+    monkeypatch.setattr("anamorph.viewer.inspector.draw_frame", failing)
     hand.viewer.state = replace(hand.viewer.state, picked=(0.45, 0.45))
     hand.viewer.refresh()
     hand.settle()

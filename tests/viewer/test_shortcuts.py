@@ -6,22 +6,23 @@ from dataclasses import dataclass, replace
 
 import pytest
 from scenes import CAMERA, scene_with, spherical_mirror
+from viewer_hand import home_of
 
 from anamorph import gallery
 from anamorph.methods import METHODS, Specification
 from anamorph.methods.protocol import Method
 from anamorph.scene.camera import Camera
 from anamorph.viewer.facts import Request
-from anamorph.viewer.home import Home, reset_view
 from anamorph.viewer.navigation import orbit, zoom
 from anamorph.viewer.observer import first_observer
 from anamorph.viewer.shortcuts import NEARER, SHORTCUTS, TURN, press
+from anamorph.viewer.starting import reset_view
 from anamorph.viewer.state import Aspect, Drawing, EyeSide, Half, State
 
 STATE = State(
     CAMERA, Half(Specification.parse("pervertex:refine=2"), Aspect.ERROR), Half(Specification.parse("raytrace"))
 )
-HOME = Home(STATE, scene_with(spherical_mirror()))
+HOME = home_of(STATE, scene_with(spherical_mirror()))
 MOVED = replace(STATE, camera=Camera((2.0, 1.0, 2.0), (0.0, 0.5, 0.0)))
 
 
@@ -108,7 +109,7 @@ def test_methods_follow_each_other_and_keep_their_layer():
 
 
 def test_methods_that_cannot_draw_the_scene_are_passed_over():
-    lens = Home(STATE, gallery.make("magnifier"))
+    lens = home_of(STATE, gallery.make("magnifier"))
     assert lens.methods == tuple(name for name, method in METHODS.items() if method.refracts) != HOME.methods
     state = STATE
     for _ in METHODS:

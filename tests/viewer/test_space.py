@@ -66,8 +66,8 @@ def test_marks_join_in_their_order_and_nothing_is_some():
     both = joined([lines, dot_marks([[0, 1, 0], [0, 2, 0]], blue, 3.0), line_marks([[[0, 0, 0], [0, 0, 1]]], blue)])
     assert both.segments.ends[:, 1].tolist() == [[1, 0, 0], [0, 0, 1]]
     assert both.segments.colors.tolist() == [list(red), list(blue)] and both.segments.widths.tolist() == [2.0, 1.0]
-    assert both.dots.centers.tolist() == [[0, 1, 0], [0, 2, 0]] and both.dots.radii.tolist() == [3.0, 3.0]
-    assert len(joined([]).segments.ends) == len(NO_MARKS.dots.centers) == 0
+    assert both.dots.ends[:, 0].tolist() == [[0, 1, 0], [0, 2, 0]] and (0.5 * both.dots.widths).tolist() == [3.0, 3.0]
+    assert len(joined([]).segments.ends) == len(NO_MARKS.dots.ends[:, 0]) == 0
 
 
 def test_a_flat_mirrors_viewpoint_is_the_eyes_mirror_image():
@@ -76,7 +76,7 @@ def test_a_flat_mirrors_viewpoint_is_the_eyes_mirror_image():
     image = np.array(CAMERA.position) * [1.0, 1.0, -1.0]
     assert viewpoint_of(plan, space.surroundings.diagonal) == pytest.approx(image, abs=1e-6)
     marks = viewpoint_marks(seen, space.surroundings.diagonal)
-    assert marks.dots.centers == pytest.approx(image[None], abs=1e-6)
+    assert marks.dots.ends[:, 0] == pytest.approx(image[None], abs=1e-6)
     # Every line runs from its vertex through the viewpoint, and a little further.
     starts, ends = np.moveaxis(marks.segments.ends.astype(float), 1, 0)
     assert ends == pytest.approx(starts + 1.1 * (image - starts), abs=1e-5)
@@ -118,7 +118,7 @@ def test_a_viewpoint_at_infinity_or_nearly_so_is_no_dot_and_leaves_parallel_line
     space, (seen,) = seen_in(scene_with(spherical_mirror(-1.4, 4, (0.001, 0.001)), camera=eye))
     assert viewpoint_of(seen.plans[0], space.surroundings.diagonal) is None
     marks = viewpoint_marks(seen, space.surroundings.diagonal)
-    assert len(marks.dots.centers) == 0 and finite(marks)
+    assert len(marks.dots.ends[:, 0]) == 0 and finite(marks)
     ways = np.diff(marks.segments.ends, axis=1)[:, 0]
     assert ways == pytest.approx(np.tile([0.0, 0.0, -space.surroundings.diagonal], (len(ways), 1)), rel=1e-2, abs=0.05)
 
@@ -138,15 +138,15 @@ def test_hits_are_where_the_traced_paths_of_the_vertices_end():
     assert known.sum() > 30
     assert np.median(np.linalg.norm(ends[known] - seen.hits[known], axis=1)) < 1e-4
     marks = hit_marks(seen, space.surroundings.diagonal)
-    among = np.abs(marks.dots.centers[:, None] - seen.hits[None]).max(axis=2).min(axis=1)
+    among = np.abs(marks.dots.ends[:, 0][:, None] - seen.hits[None]).max(axis=2).min(axis=1)
     assert among.max() < 1e-5
-    assert len(marks.dots.centers) == np.isfinite(seen.distances).sum()
+    assert len(marks.dots.ends[:, 0]) == np.isfinite(seen.distances).sum()
 
 
 def test_rays_into_the_sky_have_no_ball_but_go_some_way():
     space, (seen,) = seen_in(sky_scene(spherical_mirror()))
     marks = hit_marks(seen, space.surroundings.diagonal, CAMERA)
-    assert len(marks.dots.centers) == 0 and finite(marks)
+    assert len(marks.dots.ends[:, 0]) == 0 and finite(marks)
     assert len(marks.segments.ends) == 2 * len(seen.hits)
     lengths = np.linalg.norm(np.diff(marks.segments.ends, axis=1), axis=2).ravel()
     assert lengths[: len(seen.hits)] == pytest.approx(space.surroundings.diagonal, rel=1e-5)
@@ -223,7 +223,7 @@ def test_the_eyes_picture_stands_before_it_and_has_its_shape():
     assert CAMERA.picture(picture, (200, 100))[:, :2] / 0.5 == pytest.approx(
         np.array([[0, 0], [200, 0], [200, 100], [0, 100]]), abs=1e-3
     )
-    assert marks.dots.centers == pytest.approx(np.array([CAMERA.position]), rel=1e-6)
+    assert marks.dots.ends[:, 0] == pytest.approx(np.array([CAMERA.position]), rel=1e-6)
 
 
 @pytest.mark.parametrize("stops", [0, 1, 2, 3, 10])
@@ -233,7 +233,7 @@ def test_a_path_has_a_leg_between_its_stops_and_a_colour_for_each_stage(stops):
         Inspection((0, 0), Specification.parse("raytrace"), "sky", None, None, "sky", path, "sky", None, None, False)
     )
     legs = max(stops - 1, 0)
-    assert len(marks.segments.ends) == legs and len(marks.dots.centers) == (stops if legs else 0)
+    assert len(marks.segments.ends) == legs and len(marks.dots.ends[:, 0]) == (stops if legs else 0)
     assert marks.segments.ends[:, 1, 0].tolist() == list(range(1, legs + 1))
     assert len(np.unique(marks.segments.colors, axis=0)) == min(legs, 2)
     assert len(np.unique(marks.dots.colors, axis=0)) == min(len(marks.dots.colors), 3)
@@ -277,7 +277,7 @@ def test_built_in_scenes_are_drawn_with_finite_numbers_and_not_too_many_rays(nam
     space = Space(scene)
     marks = space_marks(space, state_of(scene, *Drawing, observer=ASIDE), scene.camera, (320, 240))
     assert finite(marks)
-    assert len(marks.dots.centers) <= len(space.bodies) * (MOST_HITS + 2 * MOST_RAYS)
+    assert len(marks.dots.ends[:, 0]) <= len(space.bodies) * (MOST_HITS + 2 * MOST_RAYS)
     assert np.abs(marks.segments.ends).max() < 50.0 * space.surroundings.diagonal
 
 
@@ -285,4 +285,4 @@ def test_glass_that_is_no_lens_has_wires_alone():
     solid = box((-0.1, 0.4, -0.1), (0.1, 0.6, 0.1)).mesh("glass", Glass())
     scene = scene_with(solid)
     marks = space_marks(Space(scene), state_of(scene, *Drawing), CAMERA, SIZE)
-    assert len(marks.segments.ends) == 18 and len(marks.dots.centers) == 0
+    assert len(marks.segments.ends) == 18 and len(marks.dots.ends[:, 0]) == 0

@@ -3,10 +3,17 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 
 from anamorph.base.compiled import compiled
 
 Vector = tuple[float, float, float]
+
+
+def tuple_of(values: Iterable[float]) -> Vector:
+    """Three numbers, such as an array's, as a tuple of Python's."""
+    x, y, z = (float(value) for value in values)
+    return (x, y, z)
 
 
 @compiled

@@ -6,9 +6,8 @@ part of the frame.
 
 from __future__ import annotations
 
-import statistics
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
@@ -16,13 +15,15 @@ import numpy as np
 from rich.table import Table
 from rich.text import Text
 
+from anamorph.base.progress import Report
 from anamorph.files.scene_file import DEFAULT_SIZE
 from anamorph.frame import View
 from anamorph.gallery.deforming import deformed, deforming
 from anamorph.gpu.device import adapter_name
 from anamorph.measure.errors import measure
 from anamorph.measure.figures import number
-from anamorph.measure.frame_times import WARM_UP, Timing, eye_path
+from anamorph.measure.frame_times import WARM_UP, Timing, eye_path, timing_of
+from anamorph.measure.table import headed
 from anamorph.methods import Session, Specification
 from anamorph.methods.stage import Stage
 from anamorph.scene.camera import Camera
@@ -85,7 +86,7 @@ def time_deforming(
     methods: Sequence[str | Specification] = DEFAULT,
     size: tuple[int, int] = DEFAULT_SIZE,
     frames: int = 30,
-    progress: Callable[[int, int], None] = lambda done, total: None,
+    report: Report = lambda done, total, what: None,
 ) -> DeformingTimes:
     """Draw the scene `deforming` by each method and both ray tracers, which take turns frame by frame.
 
@@ -96,8 +97,8 @@ def time_deforming(
     size : (width, height)
     frames : int
         How many are timed; scene and eye move from each to the next.
-    progress : callable
-        Told the rounds done, and their number.
+    report : callable
+        Hears how far the work is.
     """
     chosen = dict.fromkeys(map(Specification.parse, (*methods, *COMPETITORS)))
     names = tuple(map(str, chosen))
@@ -117,17 +118,16 @@ def time_deforming(
         uploads.append(1000.0 * (time.perf_counter() - start))
         for name, session in sessions.items():
             spent[name].append(_frame(session, moment, camera))
-        progress(turn + WARM_UP + 1, frames + WARM_UP)
+        report(turn + WARM_UP + 1, frames + WARM_UP, "timing deforming")
     last = {name: session.frame(seen=True) for name, session in sessions.items()}
     truth = last[COMPETITORS[0]]
 
     def phases(name: str) -> Phases:
-        deform, draw, device = zip(*spent[name], strict=True)
         whole = [sum(parts) for parts in spent[name]]
-        error = measure(truth, last[name]).pixels.p95
-        return Phases(_timing(whole), _timing(deform), _timing(draw), _timing(device), error)
+        frame, deform, draw, device = (timing_of(ms[WARM_UP:]) for ms in (whole, *zip(*spent[name], strict=True)))
+        return Phases(frame, deform, draw, device, measure(truth, last[name]).pixels.p95)
 
-    return DeformingTimes(size, adapter_name(), _timing(uploads), {name: phases(name) for name in names})
+    return DeformingTimes(size, adapter_name(), timing_of(uploads[WARM_UP:]), {name: phases(name) for name in names})
 
 
 def _frame(session: Session, moment: tuple[np.ndarray, np.ndarray], camera: Camera) -> tuple[float, ...]:
@@ -142,26 +142,15 @@ def _frame(session: Session, moment: tuple[np.ndarray, np.ndarray], camera: Came
     return tuple(1000.0 * (stop - start) for start, stop in pairwise(clock))
 
 
-def _timing(milliseconds: Sequence[float]) -> Timing:
-    counted = milliseconds[WARM_UP:]
-    return Timing(statistics.median(counted), min(counted), max(counted), len(counted))
-
-
 def deforming_table(times: DeformingTimes) -> Table:
     """Methods as rows, the parts of their frames as columns."""
     width, height = times.size
-    table = Table(
-        title=Text(f"deforming, {width} x {height}: medians, in ms"),
-        caption=Text(
-            f"{times.adapter}; scene and eye move every frame, over {times.upload.n} frames; uploading the vertices, "
-            f"part of every deform, takes {number(times.upload.median)} ms"
-        ),
-        title_justify="left",
-        caption_justify="left",
-    )
-    table.add_column("")
-    for heading in ("frame", "deform", "draw", "device", "as fast as the tracer", "p95 error, px"):
-        table.add_column(heading, justify="right")
+    table = headed(
+        f"deforming, {width} x {height}: medians, in ms",
+        f"{times.adapter}; scene and eye move every frame, over {times.upload.n} frames; uploading the vertices, "
+        f"part of every deform, takes {number(times.upload.median)} ms",
+        "", "frame", "deform", "draw", "device", "as fast as the tracer", "p95 error, px",
+    )  # fmt: skip
     for name, phases in times.methods.items():
         parts = (phases.frame, phases.deform, phases.draw, phases.device)
         cells = [number(part.median) for part in parts]

@@ -5,7 +5,7 @@ Before the steps that count, two others fill what is kept from one to the next.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from time import perf_counter
 
@@ -14,10 +14,12 @@ from rich.table import Table
 from rich.text import Text
 
 from anamorph import gallery
+from anamorph.base.progress import Report
 from anamorph.frame import View
 from anamorph.gallery.shapes import lattice
 from anamorph.gpu.device import adapter_name
 from anamorph.measure.figures import number
+from anamorph.measure.table import headed
 from anamorph.methods import METHODS, Specification
 from anamorph.scene.model import Mesh, Scene
 from anamorph.viewer.controls import edited
@@ -33,23 +35,21 @@ def editing_table(
     methods: Sequence[Specification] = (),
     size: tuple[int, int] = SIZE,
     steps: int = 9,
-    progress: Callable[[int, int], None] = lambda done, total: None,
+    report: Report = lambda done, total, what: None,
     counts: Sequence[int] = COUNTS,
 ) -> Table:
     """Time steps of a slider in scenes of `counts` triangles, by `methods` or by all."""
     width, height = size
-    table = Table(
-        title=Text(f"one step of a slider, {width} x {height}: medians, in ms"),
-        caption=Text(f"{adapter_name()}; {steps} steps"),
-        title_justify="left",
-        caption_justify="left",
-    )
-    for heading in ("triangles", "method", "edit", "open", "first image", "second image"):
-        table.add_column(heading, justify="left" if heading == "method" else "right")
+    table = headed(
+        f"one step of a slider, {width} x {height}: medians, in ms",
+        f"{adapter_name()}; {steps} steps",
+        "triangles", "method", "edit", "open", "first image", "second image", words=0,
+    )  # fmt: skip
+    table.columns[1].justify = "left"
     chosen = methods or [Specification.parse(name) for name in METHODS]
     cases = [(count, method) for count in counts for method in chosen]
     for done, (count, method) in enumerate(cases):
-        progress(done, len(cases))
+        report(done, len(cases), "timing steps of a slider")
         scene = hilly(count)
         times = np.array([step(scene, method, size, 0.2 * n) for n in range(steps + FILLING)])
         medians = [number(1000.0 * median) for median in np.median(times[FILLING:], axis=0)]

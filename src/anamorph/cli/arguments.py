@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import argparse
+import math
+from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, NoReturn
 
@@ -22,8 +24,6 @@ FIRST_SCENE = "car-mirror"
 """What there is to look at for who names nothing."""
 
 SEEN = ("position", "object_id", "specular", "status", "deviation")
-
-BACKENDS = ("auto", "desktop", "browser")
 
 EXAMPLES = """examples:
   anamorph render car-mirror -o mirror.png
@@ -68,20 +68,21 @@ def _method(text: str) -> Specification:
         raise argparse.ArgumentTypeError(str(error)) from error
 
 
-def _samples(text: str) -> int:
-    if not (text.isascii() and text.isdigit() and int(text) > 0):
-        raise argparse.ArgumentTypeError(f"'{text}' is no number of samples; write a whole number from 1")
-    return int(text)
+def _whole(what: str, limits: str, least: int, most: float) -> Callable[[str], int]:
+    """The type of a whole number within limits, which a wrong one is answered with."""
+
+    def parse(text: str) -> int:
+        if not (text.isascii() and text.isdigit() and least <= int(text) <= most):
+            raise argparse.ArgumentTypeError(f"'{text}' is no {what}; write a whole number {limits}")
+        return int(text)
+
+    return parse
 
 
-def _frames(text: str, most: int = MOST_FRAMES) -> int:
-    if not (text.isascii() and text.isdigit() and 0 < int(text) <= most):
-        raise argparse.ArgumentTypeError(f"'{text}' is no number of frames; write a whole number up to {most}")
-    return int(text)
-
-
-def _timed_frames(text: str) -> int:
-    return _frames(text, MOST_TIMED)
+_samples = _whole("number of samples", "from 1", 1, math.inf)
+_frames = _whole("number of frames", f"up to {MOST_FRAMES}", 1, MOST_FRAMES)
+_timed_frames = _whole("number of frames", f"up to {MOST_TIMED}", 1, MOST_TIMED)
+_port = _whole("port", "up to 65535, or 0 for a free one", 0, 65535)
 
 
 def _swing(text: str) -> float:
@@ -92,12 +93,6 @@ def _swing(text: str) -> float:
     if not 0.0 < degrees <= 180.0:
         raise argparse.ArgumentTypeError(f"'{text}' is no swing; write more than 0 and at most 180 degrees")
     return degrees
-
-
-def _port(text: str) -> int:
-    if not (text.isascii() and text.isdigit() and int(text) < 65536):
-        raise argparse.ArgumentTypeError(f"'{text}' is no port; write a whole number up to 65535, or 0 for a free one")
-    return int(text)
 
 
 def _seen(text: str) -> tuple[str, Path]:
@@ -165,7 +160,7 @@ def make_parser() -> argparse.ArgumentParser:
     view.add_argument("scene", metavar="SCENE|MODEL", nargs="?", default=FIRST_SCENE, help=named)
     view.add_argument("-m", "--method", metavar="METHOD", type=_method, help=method)
     backends = "a window (desktop), a page on this machine (browser), or the window where one can open (auto)"
-    view.add_argument("--backend", choices=BACKENDS, default="auto", help=f"{backends} (auto)")
+    view.add_argument("--backend", choices=("auto", "desktop", "browser"), default="auto", help=f"{backends} (auto)")
     view.add_argument("--port", metavar="N", type=_port, default=0, help="of the page (0: any that is free)")
     view.add_argument("--size", metavar="WxH", type=_size, help="size of the window, like 1280x720")
 

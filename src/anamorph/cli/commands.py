@@ -99,7 +99,9 @@ def _render(arguments: argparse.Namespace) -> None:
     for name, path in arguments.seen:
         save_array(path, getattr(frame, name))
     if arguments.tolerance is not None and frame.specular is not None:
-        print(_shares(status_shares(frame, frame.specular > 0)))
+        shares = status_shares(frame, frame.specular > 0).items()
+        shown = ", ".join(f"{status} {share:.1f} %" for status, share in shares)
+        print(f"pixels of mirrors and lenses: {shown or 'none'}")
     lost, ended = gaps(frame, scene)
     if lost + ended > NOTEWORTHY:
         share = f"{100.0 * (lost + ended):.0f}% of the pixels of mirrors and lenses"
@@ -174,14 +176,9 @@ def _bench_deforming(arguments: argparse.Namespace) -> None:
     from anamorph.files.scene_file import DEFAULT_SIZE
     from anamorph.measure.table import print_table
 
-    what = "timing deforming"
-    with progress_bar(what) as report:
-        times = time_deforming(
-            arguments.method or DEFAULT,
-            arguments.size or DEFAULT_SIZE,
-            arguments.frames,
-            lambda done, total: report(done, total, what),
-        )
+    with progress_bar("timing deforming") as report:
+        size = arguments.size or DEFAULT_SIZE
+        times = time_deforming(arguments.method or DEFAULT, size, arguments.frames, report)
     print_table(deforming_table(times))
 
 
@@ -189,14 +186,8 @@ def _bench_editing(arguments: argparse.Namespace) -> None:
     from anamorph.bench.editing import SIZE, editing_table
     from anamorph.measure.table import print_table
 
-    what = "timing steps of a slider"
-    with progress_bar(what) as tell:
-        table = editing_table(
-            arguments.method or (),
-            arguments.size or SIZE,
-            arguments.steps,
-            lambda done, total: tell(done, total, what),
-        )
+    with progress_bar("timing steps of a slider") as report:
+        table = editing_table(arguments.method or (), arguments.size or SIZE, arguments.steps, report)
     print_table(table)
 
 
@@ -258,12 +249,6 @@ def _remedy(specification: Specification, ended: bool) -> str:
     if ended and options.bounces < MAXIMUM_BOUNCES:
         return f"more bounces than {options.bounces}, as -m pervertex:bounces={MAXIMUM_BOUNCES}, or --tolerance 0.5"
     return "--tolerance 0.5"
-
-
-def _shares(shares: dict[str, float]) -> str:
-    """How the pixels of mirrors and lenses got their value, in one line."""
-    shown = ", ".join(f"{status} {share:.1f} %" for status, share in shares.items())
-    return f"pixels of mirrors and lenses: {shown or 'none'}"
 
 
 def _check_distinct(*paths: Path) -> None:

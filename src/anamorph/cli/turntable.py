@@ -13,8 +13,6 @@ from anamorph.files.scene_file import Settings
 from anamorph.files.source import FaceChoice
 from anamorph.methods import Specification
 from anamorph.scene.camera import Camera
-from anamorph.scene.model import Scene
-from anamorph.viewer.facts import Progress
 from anamorph.viewer.remembered import LEAST
 from anamorph.viewer.turntable import FRAMES, RATE, between, orbit, turntable
 from anamorph.viewer.view_table import views_of
@@ -43,18 +41,13 @@ def save_turntable(
         raise AnamorphError(f"swing is {swing:g}, and a path has none; leave out one of both")
     with progress_bar(f"opening {source}") as report:
         scene, settings = open_scene(source, choice, mirror_of)
-
-        def report_step(step: Progress) -> None:
-            report(step.done, step.total, step.what)
-
-        cameras = _path(source, settings, frames) if path else _orbit(scene, frames, swing)
+        if path:
+            cameras = _path(source, settings, frames)
+        else:
+            cameras = orbit(scene.camera, FRAMES if frames is None else frames, swing)
         specification = method or Specification.parse(settings.method)
         steps = turntable(output, scene, specification, cameras, size or settings.size, samples, rate)
-        return drain(steps, report_step)
-
-
-def _orbit(scene: Scene, frames: int | None, swing: float | None) -> list[Camera]:
-    return orbit(scene.camera, FRAMES if frames is None else frames, swing)
+        return drain(steps, lambda step: report(step.done, step.total, step.what))
 
 
 def _path(source: str, settings: Settings, frames: int | None) -> list[Camera]:

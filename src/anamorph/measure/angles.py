@@ -28,10 +28,8 @@ def angles_between(first: np.ndarray, second: np.ndarray) -> np.ndarray:
 
     A point at the specular surface itself thus counts as the worst answer, not as the best.
     """
-    pair = np.broadcast_arrays(np.asarray(first, float), np.asarray(second, float))
-    angles = np.empty(len(pair[0]))
-    _angles(*map(np.ascontiguousarray, pair), angles)
-    return angles
+    sine, cosine = np.linalg.norm(np.cross(first, second), axis=-1), np.sum(np.multiply(first, second), axis=-1)
+    return np.where((sine == 0.0) & (cosine == 0.0), np.pi, np.arctan2(sine, cosine))
 
 
 def picture_distances(
@@ -60,10 +58,10 @@ def picture_distances(
     -------
     (N,) float64
     """
-    rays = (np.ascontiguousarray(array, float) for array in (origins, directions, toward, distances, footprints))
-    pixels = np.empty(len(origins))
-    _picture_distances(*rays, limit, pixels)
-    return pixels
+    vectors = (origins, directions, toward, *np.moveaxis(footprints, 2, 0))
+    first, second, third, right, down = (map(tuple, np.asarray(array, float).tolist()) for array in vectors)
+    rays = zip(first, second, third, distances.tolist(), right, down, strict=True)
+    return np.array([picture_distance(*ray, limit) for ray in rays], float)
 
 
 @compiled
@@ -159,31 +157,3 @@ def _perpendicular(direction: Vector) -> tuple[Vector, Vector]:
     else:
         first = unit_or_zero((direction[1], -direction[0], 0.0))
     return first, cross(direction, first)
-
-
-@compiled
-def _angles(first: np.ndarray, second: np.ndarray, angles: np.ndarray) -> None:
-    for i in range(len(angles)):
-        angles[i] = angle_between((first[i, 0], first[i, 1], first[i, 2]), (second[i, 0], second[i, 1], second[i, 2]))
-
-
-@compiled
-def _picture_distances(
-    origins: np.ndarray,
-    directions: np.ndarray,
-    toward: np.ndarray,
-    distances: np.ndarray,
-    footprints: np.ndarray,
-    limit: float,
-    pixels: np.ndarray,
-) -> None:
-    for i in range(len(pixels)):
-        pixels[i] = picture_distance(
-            (origins[i, 0], origins[i, 1], origins[i, 2]),
-            (directions[i, 0], directions[i, 1], directions[i, 2]),
-            (toward[i, 0], toward[i, 1], toward[i, 2]),
-            distances[i],
-            (footprints[i, 0, 0], footprints[i, 1, 0], footprints[i, 2, 0]),
-            (footprints[i, 0, 1], footprints[i, 1, 1], footprints[i, 2, 1]),
-            limit,
-        )

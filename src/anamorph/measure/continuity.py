@@ -96,7 +96,8 @@ def border_errors(
     """
     parts = [part for each in seen for part in _borders(each)]
     measured = [_measured(part, surroundings, size, np.asarray(along, float)) for part in parts]
-    columns = [np.concatenate(column) for column in zip(*measured, strict=True)] if measured else _nothing()
+    nothing = [np.zeros(shape) for shape in ((0, 3), (0, 2), 0, 0, 0)]
+    columns = [np.concatenate(column) for column in zip(nothing, *measured, strict=True)]
     edges, left_out = sum(len(part.ends) for part in parts), sum(int((~part.usable).sum()) for part in parts)
     points, places, where, angles, pixels = columns
     return BorderErrors(points, places, where, angles, pixels, edges, left_out)
@@ -111,10 +112,6 @@ class _Border:
     ends: np.ndarray
     corners: np.ndarray
     usable: np.ndarray
-
-
-def _nothing() -> list[np.ndarray]:
-    return [np.zeros((0, 3)), np.zeros((0, 2)), np.zeros(0), np.zeros(0), np.zeros(0)]
 
 
 def _borders(seen: Seen) -> Iterator[_Border]:

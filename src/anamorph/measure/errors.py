@@ -12,7 +12,7 @@ import numpy as np
 
 from anamorph.base.errors import AnamorphError
 from anamorph.frame import Frame
-from anamorph.measure.colors import color_errors
+from anamorph.measure.colors import ColorErrors, color_errors
 from anamorph.measure.pixel_errors import NOTHING, pixel_errors
 
 
@@ -47,17 +47,7 @@ class ErrorMaps:
 
 @dataclass(frozen=True)
 class GeometryErrors:
-    """The errors of what is seen, whatever its colours: see `Errors`."""
-
-    angular_mrad: Statistics
-    pixels: Statistics
-    other_object_percent: float | None
-    silhouette_percent: float | None
-
-
-@dataclass(frozen=True, eq=False)
-class Errors:
-    """What is wrong with a frame, over the pixels that count: see `counted`.
+    """The errors of what is seen, whatever its colours, over the pixels that count: see `counted`.
 
     Parameters
     ----------
@@ -70,18 +60,18 @@ class Errors:
         Share of the pixels away from silhouettes that see another object.
     silhouette_percent : float or None
         Share of the pixels that are at a silhouette.
-    rmse, flip, relative_error : float or None
-        Differences of colour, silhouettes included: see `ColorErrors`.
-    maps : ErrorMaps
     """
 
     angular_mrad: Statistics
     pixels: Statistics
     other_object_percent: float | None
     silhouette_percent: float | None
-    rmse: float | None
-    flip: float | None
-    relative_error: float | None
+
+
+@dataclass(frozen=True, eq=False)
+class Errors(ColorErrors, GeometryErrors):
+    """What is wrong with a frame: what is seen, and how it looks, silhouettes included; and `maps` of the former."""
+
     maps: ErrorMaps
 
 
@@ -94,18 +84,8 @@ def counted(truth: Frame) -> np.ndarray:
 def measure(truth: Frame, frame: Frame) -> Errors:
     """Errors of `frame` against `truth`, which must carry its last rays; both need their seen buffers."""
     maps = error_maps(truth, frame)
-    geometry = geometry_statistics(maps)
     colors = color_errors(_buffer("truth", truth, "color"), _buffer("frame", frame, "color"), maps.specular)
-    return Errors(
-        angular_mrad=geometry.angular_mrad,
-        pixels=geometry.pixels,
-        other_object_percent=geometry.other_object_percent,
-        silhouette_percent=geometry.silhouette_percent,
-        rmse=colors.rmse,
-        flip=colors.flip,
-        relative_error=colors.relative_error,
-        maps=maps,
-    )
+    return Errors(**vars(geometry_statistics(maps)), **vars(colors), maps=maps)
 
 
 def error_maps(truth: Frame, frame: Frame) -> ErrorMaps:

@@ -10,6 +10,7 @@ from typing import TypeVar
 
 import numpy as np
 
+from anamorph.base.vectors import tuple_of
 from anamorph.methods.session import Session
 from anamorph.scene.camera import Camera
 from anamorph.scene.model import Scene
@@ -33,22 +34,23 @@ class Timing:
     n: int
 
 
+def timing_of(milliseconds: Sequence[float]) -> Timing:
+    """The timing of frames that took so long each."""
+    return Timing(statistics.median(milliseconds), min(milliseconds), max(milliseconds), len(milliseconds))
+
+
 def eye_path(scene: Scene, n: int) -> list[Camera]:
-    """`n` cameras with the scene's target, whose eyes go round a small circle about its own, in the picture's plane."""
+    """`n` cameras with the scene's target, whose eyes go round a small circle about its own, in the picture's plane.
+
+    Its radius follows from how far the nearest vertex of a specular mesh is, or the target where there is none.
+    """
     camera = scene.camera
     right, up, _ = camera.axes()
-    radius = ORBIT * _eye_distance(scene)
+    places = [mesh.positions for mesh in scene.meshes if mesh.specular] or [np.array([camera.target])]
+    radius = ORBIT * np.linalg.norm(np.concatenate(places).astype(float) - camera.position, axis=1).min()
     turns = 2.0 * np.pi * np.arange(n) / n
     offsets = radius * (np.cos(turns)[:, None] * right + np.sin(turns)[:, None] * up)
-    x, y, z = camera.position
-    return [replace(camera, position=(x + float(dx), y + float(dy), z + float(dz))) for dx, dy, dz in offsets]
-
-
-def _eye_distance(scene: Scene) -> float:
-    """From the eye to the nearest vertex of a specular mesh, or to the target where there is none."""
-    places = [mesh.positions for mesh in scene.meshes if mesh.specular] or [np.array([scene.camera.target])]
-    offsets = np.concatenate(places).astype(float) - scene.camera.position
-    return float(np.linalg.norm(offsets, axis=1).min())
+    return [replace(camera, position=tuple_of(camera.position + offset)) for offset in offsets]
 
 
 def timing_rounds(
@@ -68,4 +70,4 @@ def timing_rounds(
             if round_number >= 0:
                 spent[name].append(1000.0 * (time.perf_counter() - start))
         yield round_number + WARM_UP + 1, counted + WARM_UP
-    return {name: Timing(statistics.median(ms), min(ms), max(ms), len(ms)) for name, ms in spent.items()}
+    return {name: timing_of(ms) for name, ms in spent.items()}

@@ -13,7 +13,8 @@ from anamorph.measure.errors import ErrorMaps
 VIRIDIS = ("#440154", "#472d7b", "#3b528b", "#2c728e", "#21918c", "#28ae80", "#5ec962", "#addc30", "#fde725")
 """Evenly spaced colours of the viridis map: equal steps look equal, also in grey and to the colour-blind."""
 
-_STOPS = np.array([[int(color[i : i + 2], 16) for i in (1, 3, 5)] for color in VIRIDIS], float)
+STOPS = np.array([[int(color[i : i + 2], 16) for i in (1, 3, 5)] for color in VIRIDIS], float)
+"""The same as numbers from 0 to 255."""
 
 
 @dataclass(frozen=True)
@@ -48,7 +49,7 @@ def scale_colors(errors: np.ndarray, scale: Scale = MILLIRADIANS) -> np.ndarray:
     place = np.log(clipped / scale.lowest) / np.log(scale.highest / scale.lowest) * (len(VIRIDIS) - 1)
     below = np.minimum(place.astype(int), len(VIRIDIS) - 2)
     part = (place - below)[..., None]
-    return np.round((1.0 - part) * _STOPS[below] + part * _STOPS[below + 1]).astype(np.uint8)
+    return np.round((1.0 - part) * STOPS[below] + part * STOPS[below + 1]).astype(np.uint8)
 
 
 def heat_map(maps: ErrorMaps, truth_color: np.ndarray) -> np.ndarray:
@@ -67,17 +68,13 @@ def heat_colors(maps: ErrorMaps, truth_color: np.ndarray, scale: Scale = MILLIRA
 def faint(color: np.ndarray) -> np.ndarray:
     """A linear picture (H, W, 3) in grey so faint that colours stand out on it: opaque 8-bit sRGB, (H, W, 4) uint8."""
     encoded = _encoded()[_upper_half(color)]
-    return unpacked(_faint()[encoded[..., 0] + encoded[..., 1] + encoded[..., 2]])
+    grey = _faint()[encoded[..., 0] + encoded[..., 1] + encoded[..., 2]]
+    return grey.view(np.uint8).reshape(*grey.shape, 4)
 
 
 def packed(colors: np.ndarray) -> np.ndarray:
     """The same memory with one number a colour: (..., 4) uint8 to (...) uint32, which moves four times as fast."""
     return colors.view(np.uint32)[..., 0]
-
-
-def unpacked(numbers: np.ndarray) -> np.ndarray:
-    """The same memory with four numbers a colour: (...) uint32 to (..., 4) uint8."""
-    return numbers.view(np.uint8).reshape(*numbers.shape, 4)
 
 
 def opaque(colors: np.ndarray) -> np.ndarray:

@@ -29,7 +29,7 @@ def comparison_page(comparison: Comparison) -> str:
         truth=escape(comparison.truth),
         size=f"{width} x {height}",
         adapter=escape(comparison.adapter),
-        head=_head(comparison),
+        head="".join(f'<th scope="col">{_breakable(result.name)}</th>' for result in comparison.methods),
         rows=_rows(comparison),
         frames=max((result.timing.n for result in comparison.methods), default=0),
         plain=_plain(comparison),
@@ -49,10 +49,6 @@ def specular_box(specular: np.ndarray) -> tuple[slice, slice]:
         slice(max(0, int(rows[0]) - MARGIN), int(rows[-1]) + MARGIN + 1),
         slice(max(0, int(columns[0]) - MARGIN), int(columns[-1]) + MARGIN + 1),
     )
-
-
-def _head(comparison: Comparison) -> str:
-    return "".join(f'<th scope="col">{_breakable(result.name)}</th>' for result in comparison.methods)
 
 
 def _rows(comparison: Comparison) -> str:
@@ -116,9 +112,8 @@ def _figure(pixels: np.ndarray, alt: str, caption: str) -> str:
 
 def _scale() -> str:
     gradient = f"background:linear-gradient(to right,{','.join(VIRIDIS)})"
-    labels = [f"{tick:g}" for tick in MILLIRADIANS.ticks]
     ends = f"{MILLIRADIANS.lowest:g} or less to {MILLIRADIANS.highest:g} or more milliradians, logarithmic"
-    ticks = "".join(f"<span>{label}</span>" for label in labels)
+    ticks = "".join(f"<span>{tick:g}</span>" for tick in MILLIRADIANS.ticks)
     return (
         f'<div class="scale"><div class="bar" style="{gradient}" role="img" aria-label="Colour scale: {ends}"></div>'
         f'<div class="ticks" aria-hidden="true">{ticks}</div></div>'

@@ -58,11 +58,6 @@ def _vector(array: np.ndarray, row: int, column: int) -> Vector:
 
 
 @inlined
-def _difference(a: Vector, b: Vector) -> Vector:
-    return (a[0] - b[0], a[1] - b[1], a[2] - b[2])
-
-
-@inlined
 def _side(
     origins: np.ndarray,
     directions: np.ndarray,
@@ -79,11 +74,12 @@ def _side(
     if not inside or surface[there, beside] != surface[row, column]:
         return math.inf, (0.0, 0.0, 0.0)
     sign = float(down + right)
-    turn = _difference(unit_or_zero(_vector(directions, there, beside)), unit_or_zero(_vector(directions, row, column)))
+    here = unit_or_zero(_vector(directions, row, column))
+    turn = along(unit_or_zero(_vector(directions, there, beside)), -1.0, here)
     step = along((0.0, 0.0, 0.0), sign, turn)
     if not math.isinf(distance):
         step = along((0.0, 0.0, 0.0), distance, step)
-        step = along(step, sign, _difference(_vector(origins, there, beside), _vector(origins, row, column)))
+        step = along(step, sign, along(_vector(origins, there, beside), -1.0, _vector(origins, row, column)))
     return length(step), step
 
 
@@ -131,7 +127,7 @@ def _measure_rows(
             origin = _vector(origins, row, column)
             direction = unit_or_zero(_vector(directions, row, column))
             seen = _vector(positions, row, column)
-            offset = _difference(seen, origin)
+            offset = along(seen, -1.0, origin)
             sky = object_ids[row, column] == 0
             toward = unit_or_zero(seen if sky else offset)
             angular[row, column] = 1000.0 * angle_between(direction, toward)

@@ -10,20 +10,27 @@ from anamorph.measure.compare import Comparison
 from anamorph.measure.figures import number, rows_of
 
 
+def headed(title: str, caption: str, *columns: str, words: int = 1) -> Table:
+    """An empty table whose first columns, `words` of them, hold text, and the others figures."""
+    table = Table(title=Text(title), caption=Text(caption), title_justify="left", caption_justify="left")
+    for place, column in enumerate(columns):
+        table.add_column(column, justify="left" if place < words else "right")
+    return table
+
+
 def comparison_table(comparison: Comparison) -> Table:
     """Measures as rows, methods as columns."""
     width, height = comparison.size
     frames = max((result.timing.n for result in comparison.methods), default=0)
     plain = comparison.without_mirrors
     alone = "" if plain is None else f", {number(plain.median)} ms without mirrors"
-    table = Table(
-        title=Text(f"{comparison.scene}, {width} x {height}, against {comparison.truth}"),
-        caption=Text(f"{comparison.adapter}; frame times over {frames} frames, the eye moving{alone}"),
-        title_justify="left",
-        caption_justify="left",
+    table = headed(
+        f"{comparison.scene}, {width} x {height}, against {comparison.truth}",
+        f"{comparison.adapter}; frame times over {frames} frames, the eye moving{alone}",
+        "",
+        "unit",
+        words=2,
     )
-    table.add_column("")
-    table.add_column("unit")
     for result in comparison.methods:
         table.add_column(Text(result.name), justify="right", overflow="fold")
     for row in rows_of(comparison):

@@ -19,10 +19,10 @@ from anamorph.projection import camera_projection
 from anamorph.scene.model import Scene
 from anamorph.viewer import starting
 from anamorph.viewer.canvas import DeviceCanvas
+from anamorph.viewer.compose import Shown
 from anamorph.viewer.controls import edited
 from anamorph.viewer.facts import Facts, Request
 from anamorph.viewer.failures import failure_text
-from anamorph.viewer.home import Home
 from anamorph.viewer.inspector import Inspector
 from anamorph.viewer.job import Job
 from anamorph.viewer.layout import in_pixels, inside, picture_area
@@ -87,7 +87,7 @@ class Viewer:
         self._handlers = {
             self._on_pointer: ("pointer_down", "pointer_move", "pointer_up", "wheel", "double_click"),
             self._on_key: ("key_down",),
-            self._on_any: ("key_up", "char", "resize", "pointer_leave"),
+            self._take: ("key_up", "char", "resize", "pointer_leave"),
             self._on_close: ("close",),
         }
         for handler, types in self._handlers.items():
@@ -110,7 +110,6 @@ class Viewer:
     def _begin(self, start: Start, state: State) -> None:
         self.start, self.state = start, state
         self.message = start.message or ("stopped saving" if self._job is not None else "")
-        self._home = Home(start.state, start.opened.scene)
         self._scene = start.opened.scene
         self._values: object = {}
         self._pointer.let_go()
@@ -151,9 +150,6 @@ class Viewer:
         self._inspector = Inspector()
         self._changed_at, self._refined_at = 0.0, np.inf
 
-    def _on_any(self, event: dict[str, Any]) -> None:
-        self._take(event)
-
     def _take(self, event: dict[str, Any]) -> None:
         """Have imgui see an event, and give it frames: of presses and releases it takes in one a frame."""
         self.refresh()
@@ -176,7 +172,7 @@ class Viewer:
             self._later(TIP_DELAY, self.refresh)
         if over_panel and not follows:
             return
-        self.state, cursor = self._pointer.handle(event, self.state, self._area, self._home)
+        self.state, cursor = self._pointer.handle(event, self.state, self._area, self.start)
         if cursor is not None:
             self._canvas.set_cursor(cursor)
 
@@ -184,7 +180,7 @@ class Viewer:
         self._take(event)
         if self._drawn is not None and self._drawn.typing:
             return
-        self.state, requests = press(event, self.state, self._home)
+        self.state, requests = press(event, self.state, self.start)
         self._obey(requests)
 
     @property
@@ -219,15 +215,13 @@ class Viewer:
             # A window that cannot be drawn into now; the canvas tries again.
             raise
         except Exception as error:
-            self._show_message(failure_text(error, "drawing"))
+            message = failure_text(error, "drawing")
+            # It may come up again with every frame, which needs no frame for each.
+            if message != self.message:
+                self.message = message
+                self.refresh()
             if isinstance(error, wgpu.GPUError):
                 self._let_go()
-
-    def _show_message(self, message: str) -> None:
-        """Show a message that may come up again with every frame, without a frame for each."""
-        if message != self.message:
-            self.message = message
-            self.refresh()
 
     def _recover(self) -> None:
         """Go on with a new device, because the old one is lost, with everything opened anew."""
@@ -244,10 +238,10 @@ class Viewer:
             return
         if self._showing.update(scene, self.state, size):
             self._changed_at, self._refined_at = now, np.inf
-            if self._showing.moving:
+            if self._showing.moving or self._later is None:
                 self._canvas.request_draw()
             else:
-                self._wake(REST_DELAY)
+                self._later(REST_DELAY, self._canvas.request_draw)
             return
         if self._job is not None:
             self._save(self._job)
@@ -262,17 +256,14 @@ class Viewer:
             if self._refined_at - now >= taken:
                 break
 
-    def _wake(self, seconds: float) -> None:
-        if self._later is None:
-            self._canvas.request_draw()
-        else:
-            self._later(seconds, self._canvas.request_draw)
-
     def _paint(self) -> None:
         pixels = self._pixels
-        clip = camera_projection(shown_camera(self.state), (max(pixels[2], 1), max(pixels[3], 1))).clip
-        ratio = self._canvas.get_pixel_ratio()
-        self._device_canvas.draw(pixels, self._showing.halves, self.state.divider, clip, ratio)
+        self._device_canvas.draw(pixels, *self._shown((max(pixels[2], 1), max(pixels[3], 1))))
+
+    def _shown(self, size: tuple[int, int]) -> tuple[tuple[Shown, ...], float, np.ndarray, float]:
+        """Halves, divider, clip space and pixel ratio, as the canvas takes them."""
+        clip = camera_projection(shown_camera(self.state), size).clip
+        return self._showing.halves, self.state.divider, clip, self._canvas.get_pixel_ratio()
 
     def _mark(self) -> None:
         """Put into space what is to be drawn there, where that has changed."""
@@ -361,9 +352,8 @@ class Viewer:
 
     def _picture(self) -> np.ndarray:
         """The picture as it is shown, without the panel, (H, W, 3) uint8 sRGB."""
-        size, ratio = self._pixels[2:], self._canvas.get_pixel_ratio()
-        clip = camera_projection(shown_camera(self.state), size).clip
-        return self._device_canvas.picture(size, self._showing.halves, self.state.divider, clip, ratio)
+        size = self._pixels[2:]
+        return self._device_canvas.picture(size, *self._shown(size))
 
     def _facts(self) -> Facts:
         showing, width_height = self._showing, self._pixels[2:]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
 from time import perf_counter
 from typing import Any
 
@@ -14,7 +15,7 @@ from wgpu.utils.imgui import ImguiRenderer
 
 from anamorph.gpu.device import get_device
 from anamorph.gpu.targets import PIXEL_FORMAT, make_texture, read_texture
-from anamorph.viewer.compose import Composer, Shown
+from anamorph.viewer.compose import Composer, Shown, color_pass
 from anamorph.viewer.lines import LineRenderer
 from anamorph.viewer.marks import Marks
 from anamorph.viewer.panel.theme import set_theme
@@ -61,21 +62,12 @@ class Painter:
         over : callable, optional
             Draws what comes over all that.
         """
-        encoder = get_device().create_command_encoder()
-        attachment = {
-            "view": target.create_view(),
-            "clear_value": (0.0, 0.0, 0.0, 1.0),
-            "load_op": "clear",
-            "store_op": "store",
-        }
-        render_pass = encoder.begin_render_pass(color_attachments=[attachment])
-        self._composer.draw(render_pass, halves, area, divider)
-        if min(area[2:]) > 0:
-            self.lines.draw(render_pass, clip, area[2:], ratio)
-        if over is not None:
-            over(render_pass)
-        render_pass.end()
-        get_device().queue.submit([encoder.finish()])
+        with color_pass(target) as render_pass:
+            self._composer.draw(render_pass, halves, area, divider)
+            if min(area[2:]) > 0:
+                self.lines.draw(render_pass, clip, area[2:], ratio)
+            if over is not None:
+                over(render_pass)
 
 
 class _Handlers:
@@ -133,7 +125,8 @@ class DeviceCanvas:
             io.clear_events_queue()
             io.clear_input_keys()
             io.clear_input_mouse()
-        if "key" in event and not _known(event["key"]):
+        if "key" in event and len(event["key"].lower()) != 1 and event["key"] not in ImguiRenderer.KEY_MAP:
+            # At others, such as "AltGraph", imgui's renderer fails.
             return
         if event["event_type"] in ("pointer_down", "pointer_move"):
             sources = imgui.MouseSource
@@ -170,10 +163,7 @@ class DeviceCanvas:
 
     def draw(self, area: Area, halves: tuple[Shown, ...], divider: float, clip: np.ndarray, ratio: float) -> None:
         """Draw the picture, see `Painter.draw`, and the panel over it."""
-
-        def panel(render_pass: wgpu.GPURenderPassEncoder) -> None:
-            self.imgui.backend.render(imgui.get_draw_data(), render_pass)
-
+        panel = partial(self.imgui.backend.render, imgui.get_draw_data())
         self._painter.draw(self._context.get_current_texture(), area, halves, divider, clip, ratio, panel)
 
     def picture(
@@ -185,8 +175,3 @@ class DeviceCanvas:
             painter.lines.upload(self._marks)
         painter.draw(target, (0, 0, *size), halves, divider, clip, ratio)
         return read_texture(target)[..., :3]
-
-
-def _known(key: str) -> bool:
-    """Whether imgui's renderer can take a key; at others, such as "AltGraph", it fails."""
-    return len(key.lower()) == 1 or key in ImguiRenderer.KEY_MAP

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any
 
@@ -13,8 +15,6 @@ from anamorph.gpu.device import get_device, of_device
 from anamorph.gpu.shaders import shader_module
 from anamorph.gpu.targets import COLOR_FORMAT, PIXEL_FORMAT, make_texture
 
-FRAGMENTS = ("sharp_picture", "blended_picture", "false_color")
-
 
 @dataclass(frozen=True, eq=False)
 class Shown:
@@ -24,9 +24,21 @@ class Shown:
     false_color: wgpu.GPUTexture | None = None
 
 
-@of_device
 def _layout() -> wgpu.GPUBindGroupLayout:
     return layout_of(texture(), SAMPLER)
+
+
+@contextmanager
+def color_pass(target: wgpu.GPUTexture, load: str = "clear") -> Iterator[wgpu.GPURenderPassEncoder]:
+    """A pass into one texture, which begins black or with what is there, and is submitted when the block ends."""
+    device = get_device()
+    encoder = device.create_command_encoder()
+    view, black = target.create_view(), (0.0, 0.0, 0.0, 1.0)
+    attachment = {"view": view, "clear_value": black, "load_op": load, "store_op": "store"}
+    render_pass = encoder.begin_render_pass(color_attachments=[attachment])
+    yield render_pass
+    render_pass.end()
+    device.queue.submit([encoder.finish()])
 
 
 @of_device
@@ -44,25 +56,16 @@ def _pipeline(fragment: str, target: dict[str, Any]) -> wgpu.GPURenderPipeline:
     )
 
 
-class _Bound:
-    """The bind group of whichever texture was bound last."""
-
-    def __init__(self) -> None:
-        self._texture: wgpu.GPUTexture | None = None
-        self._group: wgpu.GPUBindGroup | None = None
-
-    def group(self, of: wgpu.GPUTexture) -> wgpu.GPUBindGroup:
-        if self._texture is not of:
-            self._texture, self._group = of, bind(_layout(), [of.create_view(), _sampler()])
-        return self._group
+def _bound(shown: wgpu.GPUTexture) -> wgpu.GPUBindGroup:
+    return bind(_layout(), [shown.create_view(), _sampler()])
 
 
 class Composer:
     """Draws the halves side by side, onto canvases of one `form`: a texture format without sRGB."""
 
     def __init__(self, form: str) -> None:
-        self._pipelines = {name: _pipeline(name, {"format": form}) for name in FRAGMENTS}
-        self._bound = _Bound(), _Bound()
+        fragments = ("sharp_picture", "blended_picture", "false_color")
+        self._pipelines = {name: _pipeline(name, {"format": form}) for name in fragments}
 
     def draw(
         self,
@@ -86,7 +89,7 @@ class Composer:
             return
         render_pass.set_viewport(left, top, width, height, 0.0, 1.0)
         middle = round(width * divider) if len(halves) > 1 else width
-        for half, bound, (start, stop) in zip(halves, self._bound, ((0, middle), (middle, width)), strict=False):
+        for half, (start, stop) in zip(halves, ((0, middle), (middle, width)), strict=False):
             shown = half.false_color or half.picture
             if shown is None or stop <= start:
                 continue
@@ -94,7 +97,7 @@ class Composer:
             name = "false_color" if half.false_color else "sharp_picture" if sharp else "blended_picture"
             render_pass.set_scissor_rect(left + start, top, stop - start, height)
             render_pass.set_pipeline(self._pipelines[name])
-            render_pass.set_bind_group(0, bound.group(shown))
+            render_pass.set_bind_group(0, _bound(shown))
             render_pass.draw(3)
         render_pass.set_scissor_rect(left, top, width, height)
 
@@ -105,8 +108,6 @@ class Average:
     def __init__(self, size: tuple[int, int]) -> None:
         self.texture = make_texture(size, COLOR_FORMAT)
         self.count = 0
-        self._view = self.texture.create_view()
-        self._bound = _Bound()
 
     def restart(self) -> None:
         """Forget all pictures."""
@@ -115,21 +116,11 @@ class Average:
     def add(self, picture: wgpu.GPUTexture) -> None:
         """Take one more."""
         self.count += 1
-        device = get_device()
-        encoder = device.create_command_encoder()
-        attachment = {
-            "view": self._view,
-            "clear_value": (0, 0, 0, 0),
-            "load_op": "clear" if self.count == 1 else "load",
-            "store_op": "store",
-        }
-        render_pass = encoder.begin_render_pass(color_attachments=[attachment])
-        render_pass.set_pipeline(_averaging())
-        render_pass.set_bind_group(0, self._bound.group(picture))
-        render_pass.set_blend_constant((1.0 / self.count,) * 4)
-        render_pass.draw(3)
-        render_pass.end()
-        device.queue.submit([encoder.finish()])
+        with color_pass(self.texture, "clear" if self.count == 1 else "load") as render_pass:
+            render_pass.set_pipeline(_averaging())
+            render_pass.set_bind_group(0, _bound(picture))
+            render_pass.set_blend_constant((1.0 / self.count,) * 4)
+            render_pass.draw(3)
 
 
 @of_device

@@ -70,7 +70,6 @@ class Control:
     step : float
     summary : str
         One line on what it does, and on its sign.
-    logarithmic : bool
     """
 
     key: str
@@ -82,7 +81,6 @@ class Control:
     default: float
     step: float
     summary: str
-    logarithmic: bool = False
 
 
 @dataclass(frozen=True)
@@ -114,7 +112,7 @@ class OptionControl:
 
 
 # Made anew they would take a panel's whole frame.
-@lru_cache(maxsize=2)
+@lru_cache(maxsize=4)
 def scene_controls(scene: Scene) -> tuple[Control, ...]:
     """The controls of every part of a scene that has a mirror or glass in it, part by part."""
     parts = _parts(scene)
@@ -191,19 +189,17 @@ def eye_controls(camera: Camera, scene: Scene) -> tuple[Control, ...]:
 
 def with_eye(camera: Camera, key: str, value: float) -> Camera:
     """The eye with one of its controls set."""
-    fields = {f"{EYE}/{axis}": number for number, axis in enumerate("xyz")}
-    if key in fields:
-        x, y, z = (value if number == fields[key] else old for number, old in enumerate(camera.position))
-        changed = replace(camera, position=(x, y, z))
-    elif key == f"{EYE}/field_of_view":
-        changed = replace(camera, field_of_view=value)
-    else:
-        known = [*fields, f"{EYE}/field_of_view"]
-        raise AnamorphError(f"no control '{key}'{nearest(key, known)} (known: {', '.join(known)})")
+    keys = [f"{EYE}/{what}" for what in ("x", "y", "z", "field_of_view")]
+    if key not in keys:
+        raise AnamorphError(f"no control '{key}'{nearest(key, keys)} (known: {', '.join(keys)})")
+    values = dict(zip(keys, (*camera.position, camera.field_of_view), strict=True))
+    x, y, z, field = (values | {key: value}).values()
+    changed = replace(camera, position=(x, y, z), field_of_view=field)
     check_camera(changed, EYE)
     return changed
 
 
+@lru_cache(maxsize=32)
 def option_controls(method: Method) -> tuple[OptionControl, ...]:
     """The options of a method, in their order."""
     texts = summaries(method.options)

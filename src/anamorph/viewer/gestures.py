@@ -16,8 +16,8 @@ from typing import Any
 import numpy as np
 
 from anamorph.scene.camera import Camera
-from anamorph.viewer.home import Home, reset_view
 from anamorph.viewer.navigation import look, magnify, orbit, pan, steer, zoom
+from anamorph.viewer.starting import Start, reset_view
 from anamorph.viewer.state import State, with_picked
 
 GESTURES: tuple[tuple[str, str], ...] = (
@@ -107,7 +107,7 @@ class Grip:
 NO_GRIP = Grip()
 
 
-def handle(event: Event, grip: Grip, state: State, size: Size, home: Home) -> tuple[Grip, State]:
+def handle(event: Event, grip: Grip, state: State, size: Size, home: Start) -> tuple[Grip, State]:
     """What follows from an event that is not the panel's.
 
     Parameters
@@ -118,7 +118,7 @@ def handle(event: Event, grip: Grip, state: State, size: Size, home: Home) -> tu
     state : State
     size : (width, height)
         Of the canvas, logical pixels.
-    home : Home
+    home : Start
 
     Returns
     -------
@@ -221,7 +221,7 @@ def _wheel(event: Event, state: State, size: Size) -> State:
     return steer(state, lambda camera: zoom(camera, factor, _from_middle(_point(event), size)))
 
 
-def _double_click(event: Event, state: State, size: Size, home: Home) -> State:
+def _double_click(event: Event, state: State, size: Size, home: Start) -> State:
     if _on_divider(_point(event), state, size):
         return replace(state, divider=home.state.divider)
     return reset_view(state, home)

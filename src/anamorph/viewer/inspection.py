@@ -7,14 +7,15 @@ from collections.abc import Sequence
 import numpy as np
 
 from anamorph.base.errors import AnamorphError
+from anamorph.base.vectors import tuple_of
 from anamorph.frame import Frame
-from anamorph.measure.errors import ErrorMaps
 from anamorph.measure.status import STATUS_NAMES
 from anamorph.methods.specification import Specification
 from anamorph.methods.tracing import PathTracer
 from anamorph.scene.camera import Camera
 from anamorph.scene.model import Scene
 from anamorph.viewer.facts import Inspection, Stop, Vector
+from anamorph.viewer.measured import Measured
 from anamorph.viewer.space import Space
 
 EYE, SKY, NOTHING = "eye", "sky", "nothing"
@@ -22,14 +23,7 @@ EYE, SKY, NOTHING = "eye", "sky", "nothing"
 
 
 def inspect(
-    space: Space,
-    camera: Camera,
-    size: tuple[int, int],
-    pixel: tuple[int, int],
-    method: Specification,
-    frame: Frame,
-    truth: Frame | None = None,
-    maps: ErrorMaps | None = None,
+    space: Space, camera: Camera, pixel: tuple[int, int], method: Specification, measured: Measured
 ) -> Inspection:
     """Look into one pixel of a picture.
 
@@ -39,38 +33,27 @@ def inspect(
         Of the scene as it is drawn.
     camera : Camera
         That the picture is taken from.
-    size : (width, height)
-        Of the picture.
     pixel : (x, y)
         Whole pixels from the top left.
     method : Specification
-        What drew `frame`, for the record.
-    frame : Frame
-        With its seen buffers.
-    truth : Frame, optional
-        With its seen buffers; without it, the true path alone tells what is there.
-    maps : ErrorMaps, optional
-        Of the frame against the truth; without them the error in pixels is not known.
+        What drew the frame, for the record.
+    measured : Measured
+        The frame held against the truth.
 
     Raises
     ------
     AnamorphError
-        The pixel lies outside the picture, or a frame lacks its seen buffers or has another size.
+        The pixel lies outside the picture.
     """
-    column, row = pixel
-    if not (0 <= column < size[0] and 0 <= row < size[1]):
-        raise AnamorphError(f"pixel {pixel}: lies outside the picture of {size[0]} x {size[1]}; choose one inside")
-    position, number, looks_at, status = _seen(frame, size, column, row, "frame")
-    path = trace_path(space, camera, size, pixel)
-    point = _vector(position) if number else None
-    true = path[-1].name
-    if truth is not None:
-        true_position, true_number, _, _ = _seen(truth, size, column, row, "truth")
-        true = _name(space.scene, true_number, true_position)
-    counts = maps is not None and bool(maps.specular[row, column])
-    angular = None
-    if maps is not None and counts:
-        angular = float(maps.angular[row, column])
+    (column, row), maps = pixel, measured.maps
+    height, width = maps.specular.shape
+    if not (0 <= column < width and 0 <= row < height):
+        raise AnamorphError(f"pixel {pixel}: lies outside the picture of {width} x {height}; choose one inside")
+    position, number, looks_at, status = _seen(measured.frame, column, row)
+    true_position, true_number, _, _ = _seen(measured.truth, column, row)
+    path = trace_path(space, camera, (width, height), pixel)
+    point = tuple_of(position) if number else None
+    counts = bool(maps.specular[row, column])
     return Inspection(
         pixel=(column, row),
         method=method,
@@ -79,10 +62,10 @@ def inspect(
         distance=None if point is None else _length(path, point, bool(looks_at)),
         status=STATUS_NAMES[status],
         path=path,
-        truth=true,
-        angular_mrad=angular,
-        pixels=float(maps.pixels[row, column]) if maps is not None and counts else None,
-        silhouette=maps is not None and bool(maps.silhouette[row, column]),
+        truth=_name(space.scene, true_number, true_position),
+        angular_mrad=float(maps.angular[row, column]) if counts else None,
+        pixels=float(maps.pixels[row, column]) if counts else None,
+        silhouette=bool(maps.silhouette[row, column]),
     )
 
 
@@ -103,17 +86,14 @@ def trace_path(space: Space, camera: Camera, size: tuple[int, int], pixel: tuple
     far = last[11] if np.isfinite(last[11]) else space.surroundings.diagonal
     # A ray begins where the one before it has ended.
     points = [*records[1:, :3].astype(float), last[:3] + far * last[4:7]]
-    stops = [Stop(name, _vector(point)) for name, point in zip(names, points, strict=True)]
-    return (Stop(EYE, _vector(camera.position)), *stops)
+    stops = [Stop(name, tuple_of(point)) for name, point in zip(names, points, strict=True)]
+    return (Stop(EYE, tuple_of(camera.position)), *stops)
 
 
-def _seen(frame: Frame, size: tuple[int, int], column: int, row: int, which: str) -> tuple[np.ndarray, int, int, int]:
-    """Position, object, specular object and status of one pixel."""
-    if frame.position is None or frame.object_id is None or frame.specular is None or frame.status is None:
-        raise AnamorphError(f"{which}: has no seen buffers; draw it with seen=True")
-    if frame.object_id.shape != (size[1], size[0]):
-        width, height = frame.object_id.shape[::-1]
-        raise AnamorphError(f"{which}: is {width} x {height}, not {size[0]} x {size[1]}; draw it at the picture's size")
+def _seen(frame: Frame, column: int, row: int) -> tuple[np.ndarray, int, int, int]:
+    """Position, object, specular object and status of one pixel of a frame that has been measured."""
+    assert frame.position is not None and frame.object_id is not None
+    assert frame.specular is not None and frame.status is not None
     place = row, column
     return frame.position[place], int(frame.object_id[place]), int(frame.specular[place]), int(frame.status[place])
 
@@ -129,8 +109,3 @@ def _length(path: Sequence[Stop], point: Vector, specular: bool) -> float:
     """Along the true path's surfaces to `point`, or straight there."""
     points = np.array([*(stop.point for stop in (path[:-1] if specular else path[:1])), point])
     return float(np.linalg.norm(np.diff(points, axis=0), axis=1).sum())
-
-
-def _vector(values: Sequence[float] | np.ndarray) -> Vector:
-    x, y, z = (float(value) for value in values)
-    return x, y, z

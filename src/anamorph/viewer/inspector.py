@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from anamorph.frame import Frame, View
+from anamorph.frame import View
 from anamorph.methods import Specification
+from anamorph.rendering import draw_frame
 from anamorph.scene.camera import Camera
 from anamorph.viewer.facts import Inspection
 from anamorph.viewer.inspection import inspect, trace_path
@@ -57,7 +58,9 @@ class Inspector:
             elif showing.at_rest:
                 self._look_by_eye(space, state, size)
         elif showing.at_rest:
-            self._look(space, state, size, showing)
+            measured = showing.measured.get(_method(state))
+            if measured is not None and not (measured is self._measured and state.picked == self._picked):
+                self._found(space, state, shown_camera(state), size, measured)
         return self.inspection
 
     def _follow(self, space: Space, eye: Camera) -> None:
@@ -73,27 +76,16 @@ class Inspector:
         self.inspection, self._picked, self._by_eye = None, state.picked, True
         method, eye = _method(state), looking_eye(state)
         view = View(space.scene, eye, size)
-        frames = {each: seen_frame(view, each) for each in (TRUTH, method)}
+        frames = {each: draw_frame(view, each, seen=True) for each in (TRUTH, method)}
         self._found(space, state, eye, size, measure_half(frames[TRUTH], frames[method]))
-
-    def _look(self, space: Space, state: State, size: Size, showing: Showing) -> None:
-        measured = showing.measured.get(_method(state))
-        if measured is not None and not (measured is self._measured and state.picked == self._picked):
-            self._found(space, state, shown_camera(state), size, measured)
 
     def _found(self, space: Space, state: State, camera: Camera, size: Size, seen: Measured) -> None:
         assert state.picked is not None
         x, y = state.picked
         pixel = min(int(x * size[0]), size[0] - 1), min(int(y * size[1]), size[1] - 1)
-        self.inspection = inspect(space, camera, size, pixel, _method(state), seen.frame, seen.truth, seen.maps)
+        self.inspection = inspect(space, camera, pixel, _method(state), seen)
         self._picked, self._measured, self._size = state.picked, seen, size
         self._by_eye, self._traced = not state.picked_outside, (space, camera)
-
-
-def seen_frame(view: View, specification: Specification) -> Frame:
-    session = specification.open(view)
-    session.draw(view.camera)
-    return session.frame(seen=True)
 
 
 def _method(state: State) -> Specification:

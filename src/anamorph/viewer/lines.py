@@ -9,7 +9,7 @@ from anamorph.gpu.bindings import STORAGE, UNIFORM, bind, layout_of
 from anamorph.gpu.buffers import roomy_buffer
 from anamorph.gpu.device import get_device
 from anamorph.gpu.shaders import shader_module
-from anamorph.viewer.marks import Marks
+from anamorph.viewer.marks import Marks, joined_strokes
 
 CANVAS_BYTES = 4 * (16 + 4)
 STROKE_FLOATS = 12
@@ -56,16 +56,13 @@ class LineRenderer:
 
     def upload(self, marks: Marks) -> None:
         """Replace what is drawn; needed only when it has changed."""
-        segments, dots = marks.segments, marks.dots
-        lines = len(segments.ends)
-        self._count = lines + len(dots.centers)
+        drawn = joined_strokes([marks.segments, marks.dots])
+        self._count = len(drawn.ends)
         if not self._count:
             return
         strokes = np.zeros((self._count, STROKE_FLOATS), np.float32)
-        strokes[:lines, 0:3], strokes[:lines, 4:7] = segments.ends[:, 0], segments.ends[:, 1]
-        strokes[:lines, 3], strokes[:lines, 8:12] = 0.5 * segments.widths, segments.colors
-        strokes[lines:, 0:3] = strokes[lines:, 4:7] = dots.centers
-        strokes[lines:, 3], strokes[lines:, 8:12] = dots.radii, dots.colors
+        strokes[:, 0:3], strokes[:, 4:7] = drawn.ends[:, 0], drawn.ends[:, 1]
+        strokes[:, 3], strokes[:, 8:12] = 0.5 * drawn.widths, drawn.colors
         buffer = roomy_buffer(self._strokes, strokes.nbytes)
         if buffer is not self._strokes:
             self._strokes, self._group = buffer, bind(self._layout, [self._canvas, buffer])

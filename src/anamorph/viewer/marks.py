@@ -10,8 +10,8 @@ from numpy.typing import ArrayLike
 
 
 @dataclass(frozen=True, eq=False)
-class Segments:
-    """Straight lines.
+class Strokes:
+    """Straight lines; one without length is a disc that faces whoever looks.
 
     Parameters
     ----------
@@ -29,54 +29,32 @@ class Segments:
 
 
 @dataclass(frozen=True, eq=False)
-class Dots:
-    """Discs that face whoever looks.
-
-    Parameters
-    ----------
-    centers : (N, 3) float32
-        World points, metres.
-    colors : (N, 4) float32
-        Linear, with alpha.
-    radii : (N,) float32
-        Logical pixels.
-    """
-
-    centers: np.ndarray
-    colors: np.ndarray
-    radii: np.ndarray
-
-
-@dataclass(frozen=True, eq=False)
 class Marks:
     """Segments, and dots over them; what comes later covers what comes first."""
 
-    segments: Segments
-    dots: Dots
+    segments: Strokes
+    dots: Strokes
 
 
 def line_marks(ends: ArrayLike, color: ArrayLike, width: ArrayLike = 1.0) -> Marks:
     """Segments, (N, 2, 3), of one colour and width, or of one for each."""
-    lines = np.asarray(ends, np.float32).reshape(-1, 2, 3)
-    return Marks(Segments(lines, _each(color, (len(lines), 4)), _each(width, (len(lines),))), _NO_DOTS)
+    return Marks(_strokes(ends, color, width), _NOTHING)
 
 
 def dot_marks(centers: ArrayLike, color: ArrayLike, radius: ArrayLike) -> Marks:
     """Dots, (N, 3), of one colour and radius, or of one for each."""
-    points = np.asarray(centers, np.float32).reshape(-1, 3)
-    return Marks(_NO_SEGMENTS, Dots(points, _each(color, (len(points), 4)), _each(radius, (len(points),))))
+    points = np.reshape(centers, (-1, 3))
+    return Marks(_NOTHING, _strokes(between(points, points), color, np.multiply(radius, 2.0)))
 
 
 def joined(parts: Sequence[Marks]) -> Marks:
     """All marks as one, in their order."""
-    parts = (NO_MARKS, *parts)
-    segments, dots = [part.segments for part in parts], [part.dots for part in parts]
-    return Marks(
-        Segments(
-            *(np.concatenate([getattr(each, name) for each in segments]) for name in ("ends", "colors", "widths"))
-        ),
-        Dots(*(np.concatenate([getattr(each, name) for each in dots]) for name in ("centers", "colors", "radii"))),
-    )
+    return Marks(joined_strokes([part.segments for part in parts]), joined_strokes([part.dots for part in parts]))
+
+
+def joined_strokes(parts: Sequence[Strokes]) -> Strokes:
+    """All strokes as one, in their order."""
+    return Strokes(*map(np.concatenate, zip(*(vars(part).values() for part in (_NOTHING, *parts)), strict=True)))
 
 
 def between(starts: ArrayLike, stops: ArrayLike) -> np.ndarray:
@@ -84,10 +62,14 @@ def between(starts: ArrayLike, stops: ArrayLike) -> np.ndarray:
     return np.stack(np.broadcast_arrays(np.atleast_2d(starts), np.atleast_2d(stops)), axis=1)
 
 
+def _strokes(ends: ArrayLike, colors: ArrayLike, widths: ArrayLike) -> Strokes:
+    lines = np.asarray(ends, np.float32).reshape(-1, 2, 3)
+    return Strokes(lines, _each(colors, (len(lines), 4)), _each(widths, (len(lines),)))
+
+
 def _each(value: ArrayLike, shape: tuple[int, ...]) -> np.ndarray:
     return np.ascontiguousarray(np.broadcast_to(np.asarray(value, np.float32), shape))
 
 
-_NO_SEGMENTS = Segments(*(np.zeros(shape, np.float32) for shape in ((0, 2, 3), (0, 4), (0,))))
-_NO_DOTS = Dots(*(np.zeros(shape, np.float32) for shape in ((0, 3), (0, 4), (0,))))
-NO_MARKS = Marks(_NO_SEGMENTS, _NO_DOTS)
+_NOTHING = _strokes([], (0.0, 0.0, 0.0, 0.0), 0.0)
+NO_MARKS = Marks(_NOTHING, _NOTHING)

@@ -64,12 +64,8 @@ def measure_half(truth: Frame, frame: Frame) -> Measured:
     """Hold `frame` against `truth`; both need their seen buffers, and `truth` its last rays."""
     maps = error_maps(truth, frame)
     errors = geometry_statistics(maps)
-    figures = Figures(
-        angular_mrad=errors.angular_mrad,
-        pixels=errors.pixels,
-        other_object_percent=errors.other_object_percent,
-        status_percent=status_shares(frame, maps.specular),
-    )
+    shares = status_shares(frame, maps.specular)
+    figures = Figures(errors.angular_mrad, errors.pixels, errors.other_object_percent, shares)
     return Measured(frame, truth, maps, figures)
 
 

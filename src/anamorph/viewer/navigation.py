@@ -11,7 +11,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from anamorph.base.vectors import Vector
+from anamorph.base.vectors import Vector, tuple_of
 from anamorph.scene.camera import Camera
 from anamorph.viewer.state import State
 
@@ -38,7 +38,7 @@ def orbit(camera: Camera, right: float, up: float) -> Camera:
         How far the eye goes, radians. It stops short of the pole above the target and of the one below.
     """
     away = np.subtract(camera.position, camera.target)
-    return replace(camera, position=_tuple(camera.target + _turned(away, camera.up, right, up)))
+    return replace(camera, position=tuple_of(camera.target + _turned(away, camera.up, right, up)))
 
 
 def look(camera: Camera, right: float, up: float) -> Camera:
@@ -50,8 +50,7 @@ def look(camera: Camera, right: float, up: float) -> Camera:
     right, up : float
         How far it turns, radians. It stops short of straight up and straight down.
     """
-    ahead = np.subtract(camera.target, camera.position)
-    ahead = _turned(ahead, camera.up, -right, up)
+    ahead = _turned(np.subtract(camera.target, camera.position), camera.up, -right, up)
     return _placed(camera, camera.position + ahead, -ahead)
 
 
@@ -102,7 +101,7 @@ def steer(state: State, move: Callable[[Camera], Camera]) -> State:
 def _placed(camera: Camera, target: np.ndarray, away: np.ndarray) -> Camera:
     """The camera with `target` (3,), or the nearest that is allowed, and its eye `away` (3,) from it."""
     target = np.clip(target, -OUTERMOST, OUTERMOST)
-    return replace(camera, position=_tuple(target + away), target=_tuple(target))
+    return replace(camera, position=tuple_of(target + away), target=tuple_of(target))
 
 
 def _in_picture(camera: Camera, right: float, up: float) -> np.ndarray:
@@ -124,8 +123,3 @@ def _turned(vector: np.ndarray, pole: Vector, around: float, up: float) -> np.nd
     horizontal = horizontal / reach
     horizontal = np.cos(around) * horizontal + np.sin(around) * np.cross(axis, horizontal)
     return length * (np.cos(rise) * horizontal + np.sin(rise) * axis)
-
-
-def _tuple(vector: np.ndarray) -> Vector:
-    x, y, z = vector.tolist()
-    return (x, y, z)

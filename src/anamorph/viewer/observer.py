@@ -7,7 +7,8 @@ from itertools import product
 
 import numpy as np
 
-from anamorph.base.vectors import Vector
+from anamorph.base.vectors import Vector, tuple_of
+from anamorph.measure.angles import normalized
 from anamorph.optics.laws import reflect
 from anamorph.rays.caster import Caster
 from anamorph.scene.camera import Camera
@@ -45,16 +46,9 @@ FLAT = 0.3
 
 @dataclass(frozen=True, eq=False)
 class _Subject:
-    """What the observer's picture is about: an eye, and what it looks at.
+    """What the observer's picture is about: an eye, the middle of a mirror or lens, and the end of the line of sight.
 
-    Parameters
-    ----------
-    eye, middle, end : (3,) float64
-        The eye, the middle of the mirror or lens, and how far beyond the line of sight is seen.
-    corners : (8, 3) float64
-        Of the box around the mirror or lens.
-    facing : (3,) float64
-        Unit vector to where it faces.
+    With the `corners` (8, 3) of the box around the mirror or lens, and the unit vector to where it faces.
     """
 
     eye: np.ndarray
@@ -117,13 +111,13 @@ def _subject_of(scene: Scene, camera: Camera, caster: Caster | None) -> _Subject
     if not boxes:
         target = np.asarray(camera.target, float)
         return _Subject(eye, target, target, np.tile(target, (8, 1)), -forward)
-    group, low, high = max(boxes, key=lambda box: float(_unit((box[1] + box[2]) / 2.0 - eye) @ forward))
-    middle, looking = (low + high) / 2.0, _unit((low + high) / 2.0 - eye)
+    group, low, high = max(boxes, key=lambda box: float(normalized((box[1] + box[2]) / 2.0 - eye) @ forward))
+    middle, looking = (low + high) / 2.0, normalized((low + high) / 2.0 - eye)
     meshes = [scene.meshes[index] for index in group]
     normal = np.concatenate([mesh.normals for mesh in meshes]).astype(float).mean(axis=0)
     refracts = any(isinstance(mesh.material, Glass) for mesh in meshes)
     # A ball's normals cancel each other out: what is seen of it faces the eye.
-    facing = _unit(normal) if np.linalg.norm(normal) > FLAT and not refracts else -looking
+    facing = normalized(normal) if np.linalg.norm(normal) > FLAT and not refracts else -looking
     onward = looking if refracts else reflect(looking[None], facing[None])[0]
     size = float(np.linalg.norm(high - low))
     distance = float(np.linalg.norm(middle - eye))
@@ -137,14 +131,14 @@ def _observer(subject: _Subject, toward: np.ndarray, up: Vector, caster: Caster 
     """One that looks from `toward` (3,), as far away as shows all, or as the next wall lets it."""
     points = subject.points
     target = (points.min(axis=0) + points.max(axis=0)) / 2.0
-    axes = Camera(_tuple(target + toward), _tuple(target), up).axes()
+    axes = Camera(tuple_of(target + toward), tuple_of(target), up).axes()
     across, upward, ahead = axes @ (points - target).T
     offset = np.maximum(np.abs(across), np.abs(upward)) / FILLED
     wanted = float((offset / np.tan(np.radians(FIELD_OF_VIEW) / 2.0) - ahead).max())
     distance = _free(caster, target, toward, wanted)
     slope = (offset / np.maximum(distance + ahead, 1e-9 * wanted)).max()
     field_of_view = float(np.degrees(2.0 * np.arctan(slope)))
-    return Camera(_tuple(target + distance * toward), _tuple(target), up, min(field_of_view, TOO_WIDE))
+    return Camera(tuple_of(target + distance * toward), tuple_of(target), up, min(field_of_view, TOO_WIDE))
 
 
 def _merit(observer: Camera, subject: _Subject, caster: Caster | None) -> float:
@@ -163,13 +157,3 @@ def _free(caster: Caster | None, start: np.ndarray, toward: np.ndarray, wanted: 
         return wanted
     found = float(caster.cast(start[None], toward[None], near=max(near, caster.near)).distance[0])
     return min(wanted, CLEARANCE * found)
-
-
-def _unit(vector: np.ndarray) -> np.ndarray:
-    length = np.linalg.norm(vector)
-    return vector / length if length > 0.0 else vector
-
-
-def _tuple(vector: np.ndarray) -> Vector:
-    x, y, z = vector.tolist()
-    return (x, y, z)

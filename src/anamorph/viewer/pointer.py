@@ -6,7 +6,7 @@ from typing import Any
 
 from anamorph.viewer.facts import Rectangle
 from anamorph.viewer.gestures import NO_GRIP, counted_from, cursor, handle
-from anamorph.viewer.home import Home
+from anamorph.viewer.starting import Start
 from anamorph.viewer.state import State
 
 
@@ -29,7 +29,7 @@ class Pointer:
             self._pressed_at = event.get("time_stamp", 0.0)
         return event["event_type"] == "pointer_move" and event.get("time_stamp", 0.0) < self._pressed_at
 
-    def handle(self, event: dict[str, Any], state: State, area: Rectangle, home: Home) -> tuple[State, str | None]:
+    def handle(self, event: dict[str, Any], state: State, area: Rectangle, home: Start) -> tuple[State, str | None]:
         """The state that follows from an event over the picture in `area`, and the cursor where it is another one."""
         left, top, right, bottom = area
         size, within = (right - left, bottom - top), counted_from(event, left, top)

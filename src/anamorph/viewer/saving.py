@@ -34,18 +34,11 @@ def free_name(directory: str | Path, stem: str, suffix: str) -> Path:
     return next(path for path in names if not path.exists() and not path.is_symlink())
 
 
-def save_picture(path: str | Path, color: np.ndarray) -> str:
-    """Save a picture (H, W, 3): linear floats, or 8-bit sRGB as it is shown.
-
-    The suffix is one of `output.PICTURES`.
-    """
-    path = output.check_output(path, output.PICTURES)
-    if color.dtype == np.uint8 and path.suffix.lower() != ".npy":
-        encoded = output.pixel_bytes(np.ascontiguousarray(color), path.suffix)
-        with output.whole_file(path) as file:
-            file.write(encoded)
-    else:
-        output.save_picture(path, color)
+def save_picture(path: str | Path, pixels: np.ndarray) -> str:
+    """Save a picture as it is shown, (H, W, 3) uint8 sRGB, as PNG."""
+    path = output.check_output(path, (".png",))
+    with output.whole_file(path) as file:
+        file.write(output.pixel_bytes(np.ascontiguousarray(pixels)))
     return saved(path)
 
 

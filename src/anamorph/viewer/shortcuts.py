@@ -11,10 +11,10 @@ import numpy as np
 
 from anamorph.methods.specification import Specification
 from anamorph.viewer.facts import Request
-from anamorph.viewer.home import Home, reset_view
 from anamorph.viewer.navigation import orbit, steer, zoom
 from anamorph.viewer.observer import first_observer
 from anamorph.viewer.remembered import remember
+from anamorph.viewer.starting import Start, reset_view
 from anamorph.viewer.state import Aspect, Drawing, EyeSide, Half, State, with_observer, with_picked
 
 TURN = float(np.radians(5.0))
@@ -36,7 +36,7 @@ class Shortcut:
         The heading under which help lists it.
     summary : str
     change : callable, optional
-        (State, Home) -> State.
+        (State, Start) -> State.
     request : Request, optional
         What it asks for instead.
     """
@@ -44,11 +44,11 @@ class Shortcut:
     keys: tuple[str, ...]
     group: str
     summary: str
-    change: Callable[[State, Home], State] | None = None
+    change: Callable[[State, Start], State] | None = None
     request: Request | None = None
 
 
-def press(event: Mapping[str, Any], state: State, home: Home) -> tuple[State, tuple[Request, ...]]:
+def press(event: Mapping[str, Any], state: State, home: Start) -> tuple[State, tuple[Request, ...]]:
     """What follows when a key goes down.
 
     Parameters
@@ -56,7 +56,7 @@ def press(event: Mapping[str, Any], state: State, home: Home) -> tuple[State, tu
     event : mapping
         A key_down event: its "key" and its "modifiers".
     state : State
-    home : Home
+    home : Start
 
     Returns
     -------
@@ -86,14 +86,14 @@ def _chord(event: Mapping[str, Any]) -> str:
     return "+".join([name for name, down in held if down] + [key.upper() if letter else key])
 
 
-def _next_method(state: State, home: Home, half: str) -> State:
+def _next_method(state: State, home: Start, half: str) -> State:
     shown: Half = getattr(state, half)
     names, name = home.methods, shown.method.method.name
     following = names[(names.index(name) + 1) % len(names)] if name in names else names[0]
     return _with_half(state, half, replace(shown, method=Specification.parse(following)))
 
 
-def _set_aspect(state: State, home: Home, half: str, aspect: Aspect) -> State:
+def _set_aspect(state: State, home: Start, half: str, aspect: Aspect) -> State:
     return _with_half(state, half, replace(getattr(state, half), aspect=aspect))
 
 
@@ -102,71 +102,60 @@ def _with_half(state: State, half: str, shown: Half) -> State:
     return replace(state, first=shown) if half == "first" else replace(state, second=shown, split=True)
 
 
-def _swap(state: State, home: Home) -> State:
+def _swap(state: State, home: Start) -> State:
     return replace(state, first=state.second, second=state.first)
 
 
-def _toggle_panel(state: State, home: Home) -> State:
-    return replace(state, panel=not state.panel)
+def _toggle(state: State, home: Start, flag: str) -> State:
+    flipped: dict[str, Any] = {flag: not getattr(state, flag)}
+    return replace(state, **flipped)
 
 
-def _toggle_help(state: State, home: Home) -> State:
-    return replace(state, help=not state.help)
-
-
-def _toggle_split(state: State, home: Home) -> State:
-    return replace(state, split=not state.split)
-
-
-def _toggle_drawing(state: State, home: Home, drawing: Drawing) -> State:
+def _toggle_drawing(state: State, home: Start, drawing: Drawing) -> State:
     return replace(state, drawings=state.drawings ^ {drawing})
 
 
-def _other_unit(state: State, home: Home) -> State:
+def _other_unit(state: State, home: Start) -> State:
     return replace(state, unit="px" if state.unit == "mrad" else "mrad")
 
 
-def _next_eye(state: State, home: Home) -> State:
+def _next_eye(state: State, home: Start) -> State:
     sides = list(EyeSide)
     return replace(state, eye=sides[(sides.index(state.eye) + 1) % len(sides)])
 
 
-def _toggle_observer(state: State, home: Home) -> State:
+def _toggle_observer(state: State, home: Start) -> State:
     return with_observer(state, first_observer(home.scene, state.camera) if state.observer is None else None)
 
 
-def _remember(state: State, home: Home) -> State:
-    return remember(state)
-
-
-def _orbit(state: State, home: Home, right: float, up: float) -> State:
+def _orbit(state: State, home: Start, right: float, up: float) -> State:
     return steer(state, lambda camera: orbit(camera, right, up))
 
 
-def _zoom(state: State, home: Home, factor: float) -> State:
+def _zoom(state: State, home: Start, factor: float) -> State:
     return steer(state, lambda camera: zoom(camera, factor))
 
 
-def _toggle_opening(state: State, home: Home) -> State:
+def _toggle_opening(state: State, home: Start) -> State:
     if state.panel and state.opening is not None:
         return replace(state, opening=None)
     return replace(state, panel=True, opening=state.opening or "")
 
 
-def _clear(state: State, home: Home) -> State:
+def _clear(state: State, home: Start) -> State:
     """What lies on top first: it hides the rest."""
     if state.help:
         return replace(state, help=False)
     return with_picked(state, None) if state.opening is None else replace(state, opening=None)
 
 
-def _reset(state: State, home: Home) -> State:
+def _reset(state: State, home: Start) -> State:
     return replace(home.state, panel=state.panel)
 
 
 SHORTCUTS: tuple[Shortcut, ...] = (
-    Shortcut(("F1", "?"), "Viewer", "this help", _toggle_help),
-    Shortcut(("Tab",), "Viewer", "the panel", _toggle_panel),
+    Shortcut(("F1", "?"), "Viewer", "this help", partial(_toggle, flag="help")),
+    Shortcut(("Tab",), "Viewer", "the panel", partial(_toggle, flag="panel")),
     Shortcut(("Escape",), "Viewer", "close the help; drop the picked point", _clear),
     Shortcut(("Ctrl+O",), "Viewer", "open another scene", _toggle_opening),
     Shortcut(("P",), "Viewer", "save the picture", request=Request.SAVE_PICTURE),
@@ -181,8 +170,8 @@ SHORTCUTS: tuple[Shortcut, ...] = (
     Shortcut(("-",), "View", "farther", partial(_zoom, factor=1.0 / NEARER)),
     Shortcut(("E",), "View", "left, middle or right eye", _next_eye),
     Shortcut(("O",), "View", "look from outside", _toggle_observer),
-    Shortcut(("K",), "View", "remember the view", _remember),
-    Shortcut(("S",), "Halves", "split the picture", _toggle_split),
+    Shortcut(("K",), "View", "remember the view", lambda state, home: remember(state)),
+    Shortcut(("S",), "Halves", "split the picture", partial(_toggle, flag="split")),
     Shortcut(("X",), "Halves", "swap the halves", _swap),
     Shortcut(("M",), "Halves", "next method, first half", partial(_next_method, half="first")),
     Shortcut(("Shift+M",), "Halves", "next method, second half", partial(_next_method, half="second")),

@@ -14,7 +14,7 @@ from anamorph.methods import METHODS, Specification
 from anamorph.scene.camera import Camera
 from anamorph.scene.checks import check_scene
 from anamorph.scene.model import Scene
-from anamorph.viewer.home import Home
+from anamorph.viewer.observer import first_observer
 from anamorph.viewer.state import Half, State
 from anamorph.viewer.view_table import state_of
 
@@ -39,6 +39,23 @@ class Start:
     opened: Opened
     state: State
     message: str = ""
+
+    @property
+    def scene(self) -> Scene:
+        """As it was opened."""
+        return self.opened.scene
+
+    @property
+    def methods(self) -> tuple[str, ...]:
+        """The names of the methods that can draw the scene."""
+        return tuple(name for name, method in METHODS.items() if method.refracts or not self.scene.refracts)
+
+
+def reset_view(state: State, start: Start) -> State:
+    """The camera back at its start, and the observer, if one looks, at where it starts."""
+    camera = start.state.camera
+    observer = None if state.observer is None else first_observer(start.scene, camera)
+    return replace(state, camera=camera, observer=observer)
 
 
 def start_of(source: Source | Scene | str | Path, method: str | Specification | None = None) -> Start:
@@ -73,7 +90,7 @@ def carried_over(state: State, start: Start) -> State:
     """
     if start.opened.settings.view is not None:
         return start.state
-    able = Home(start.state, start.opened.scene).methods
+    able = start.methods
 
     def half(old: Half, new: Half) -> Half:
         return old if old.method.method.name in able else replace(old, method=new.method)
@@ -92,17 +109,12 @@ def carried_over(state: State, start: Start) -> State:
     )
 
 
-def _named(source: str) -> Source | str:
-    """A name, or one with options after it."""
-    return source_in(source) if " --" in source and not Path(source).exists() else source
-
-
 def _open(source: Source | Scene | str | Path) -> Opened:
     if isinstance(source, Scene):
         scene = check_scene(source)
         return Opened(scene, Settings(), scene.camera)
-    if isinstance(source, str):
-        source = _named(source)
+    if isinstance(source, str) and " --" in source and not Path(source).exists():
+        source = source_in(source)
     if isinstance(source, Source):
         return open_view(source.name, source.choice, source.mirror_of)
     return open_view(source)

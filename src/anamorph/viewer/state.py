@@ -10,8 +10,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from enum import StrEnum
 
-import numpy as np
-
+from anamorph.base.vectors import tuple_of
 from anamorph.methods.specification import Specification
 from anamorph.scene.camera import Camera
 
@@ -123,8 +122,7 @@ def looking_eye(state: State) -> Camera:
     if state.eye is EyeSide.MIDDLE:
         return state.camera
     aside = EYE_DISTANCE / 2.0 * (1.0 if state.eye is EyeSide.RIGHT else -1.0)
-    x, y, z = np.add(state.camera.position, aside * state.camera.axes()[0]).tolist()
-    return replace(state.camera, position=(x, y, z))
+    return replace(state.camera, position=tuple_of(state.camera.position + aside * state.camera.axes()[0]))
 
 
 def shown_camera(state: State) -> Camera:

@@ -13,6 +13,7 @@ from scipy.spatial.transform import Rotation
 from anamorph.base.errors import AnamorphError
 from anamorph.base.output import to_pixels
 from anamorph.base.steps import mapped
+from anamorph.base.vectors import tuple_of
 from anamorph.base.video import MOST_FRAMES, check_video, video
 from anamorph.frame import View
 from anamorph.methods import Specification
@@ -46,7 +47,7 @@ def orbit(camera: Camera, frames: int = FRAMES, swing: float | None = None) -> l
     angles = turns if swing is None else np.radians(swing) * np.sin(turns)
     axis = np.array(camera.up, float) / np.linalg.norm(camera.up)
     offsets = Rotation.from_rotvec(angles[:, None] * axis).apply(np.subtract(camera.position, camera.target))
-    return [camera, *(_moved(camera, np.add(camera.target, offset)) for offset in offsets[1:])]
+    return [camera, *(replace(camera, position=tuple_of(camera.target + offset)) for offset in offsets[1:])]
 
 
 def between(views: Sequence[Camera], frames: int | None = None) -> list[Camera]:
@@ -92,11 +93,9 @@ def _between(one: Camera, other: Camera, share: float) -> Camera:
     back, up = Rotation.from_rotvec(share * tilt).apply([back, up])
     target = (1.0 - share) * np.array(one.target) + share * np.array(other.target)
     first, last = (np.linalg.norm(np.subtract(each.target, each.position)) for each in (one, other))
-    x, y, z = target.tolist()
-    up_x, up_y, up_z = up.tolist()
+    eye = target + first ** (1.0 - share) * last**share * back
     field = one.field_of_view ** (1.0 - share) * other.field_of_view**share
-    still = Camera((x, y, z), (x, y, z), (up_x, up_y, up_z), float(field))
-    return _moved(still, target + first ** (1.0 - share) * last**share * back)
+    return Camera(tuple_of(eye), tuple_of(target), tuple_of(up), float(field))
 
 
 def _tilt(up: np.ndarray, other: np.ndarray, right: np.ndarray) -> np.ndarray:
@@ -105,11 +104,6 @@ def _tilt(up: np.ndarray, other: np.ndarray, right: np.ndarray) -> np.ndarray:
     sine = np.linalg.norm(across)
     axis = across / sine if sine > 1e-12 else right
     return float(np.arctan2(sine, up @ other)) * axis
-
-
-def _moved(camera: Camera, position: np.ndarray) -> Camera:
-    x, y, z = position.tolist()
-    return replace(camera, position=(x, y, z))
 
 
 def _check_frames(frames: int) -> None:

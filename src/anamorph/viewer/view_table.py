@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 from decimal import Decimal
 from typing import Any
 
@@ -64,15 +65,14 @@ def state_of(opened: Opened) -> State:
     if table is None:
         return plain
     table.only(*view_of(plain), "observer", "picked", "picked_outside", "views")
-    return State(
-        camera=opened.camera,
+    return replace(
+        plain,
         first=Half(first.method, Aspect(table.choice("aspect", Aspect, Aspect.PICTURE))),
         second=Half(_method(table), Aspect(table.choice("second_aspect", Aspect, Aspect.PICTURE))),
         split=table.flag("split", plain.split),
         divider=table.number("divider", plain.divider, 0.0, 1.0),
         eye=EyeSide(table.choice("eye", EyeSide, plain.eye)),
         observer=_observer(table),
-        values=values_of(opened.edits),
         unit=table.choice("unit", UNITS, plain.unit),
         drawings=frozenset(map(Drawing, table.words("drawings", Drawing))),
         samples=table.whole("samples", plain.samples, 1, MAXIMUM_SAMPLES),

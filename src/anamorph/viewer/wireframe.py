@@ -54,15 +54,10 @@ def _edges(scene: Scene, group: tuple[int, ...]) -> tuple[np.ndarray, np.ndarray
     planes = np.column_stack([normals, -np.einsum("fi,fi->f", normals, corners[:, 0])])
     vertices = faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2)
     places = np.sort(welded(positions)[vertices], axis=1)
-    # In this order the triangles of one edge follow each other.
-    order = np.lexsort(places.T)
-    sorted_places = places[order]
-    first = np.ones(len(order), bool)
-    first[1:] = (sorted_places[1:] != sorted_places[:-1]).any(axis=1)
-    first_rows = np.flatnonzero(first)
-    last_rows = np.append(first_rows[1:], len(order)) - 1
+    keys = places[:, 1].astype(np.int64) * len(positions) + places[:, 0]
+    first = np.unique(keys, return_index=True)[1]
+    last = len(keys) - 1 - np.unique(keys[::-1], return_index=True)[1]
     # Triangles without area have edges that are points.
-    kept = sorted_places[first_rows, 0] != sorted_places[first_rows, 1]
-    first_rows, last_rows = order[first_rows[kept]], order[last_rows[kept]]
-    both = np.stack([planes[first_rows // 3], planes[last_rows // 3]], axis=1)
-    return positions[vertices[first_rows]].astype(np.float32), both
+    kept = places[first, 0] != places[first, 1]
+    first, last = first[kept], last[kept]
+    return positions[vertices[first]].astype(np.float32), np.stack([planes[first // 3], planes[last // 3]], axis=1)

@@ -14,7 +14,7 @@ from anamorph.gallery import make
 from anamorph.measure.errors import silhouettes
 from anamorph.methods import Specification
 from anamorph.raymesh import RayMesh
-from anamorph.rendering import accumulate
+from anamorph.rendering import draw_frame
 from anamorph.scene.camera import Camera
 from anamorph.scene.model import AmbientLight, Diffuse, Mesh, Scene, Sky
 
@@ -46,7 +46,7 @@ def color(scene: Scene, camera: Camera | RayMesh, method: str, shift=(0.0, 0.0),
 def four(scene: Scene, camera: Camera | RayMesh, method: str, size=SIZE) -> np.ndarray:
     """The mean of four shifted pictures."""
     view = View(scene, camera, size, samples=2)
-    return accumulate(view, Specification.parse(method).open(view)).color
+    return draw_frame(view, Specification.parse(method)).color
 
 
 RAYS = {
@@ -85,7 +85,7 @@ def test_a_shifted_picture_is_smooth_up_to_its_rim(shift):
 def test_the_average_of_smooth_pictures_comes_close_to_that_of_many():
     scene, camera = flat_scene(), RAYS["6.4"](SIZE)
     view = View(scene, camera, SIZE, samples=6)
-    truth = accumulate(view, Specification.parse("raytrace").open(view)).color
+    truth = draw_frame(view, Specification.parse("raytrace")).color
     errors = [np.abs(color(scene, camera, "trilinear:antialias=4") - truth).mean()]
     errors.append(np.abs(four(scene, camera, "trilinear:antialias=4") - truth).mean())
     assert errors[1] < 1.3 * errors[0] < 0.6 * np.abs(color(scene, camera, "trilinear") - truth).mean()

@@ -18,8 +18,8 @@ from anamorph.scene.camera import Camera
 from anamorph.scene.model import Glass, Scene
 from anamorph.viewer.controls import scene_controls
 from anamorph.viewer.facts import Facts, Figures, Inspection, Progress, Request, Stop
-from anamorph.viewer.home import first_observer
 from anamorph.viewer.layout import picture_area
+from anamorph.viewer.observer import first_observer
 from anamorph.viewer.panel import results
 from anamorph.viewer.panel.legend import half_caption
 from anamorph.viewer.panel.methods import (

@@ -6,12 +6,14 @@ import csv
 import io
 from collections.abc import Callable, Sequence
 from dataclasses import astuple, dataclass, field, fields
+from itertools import count
 from pathlib import Path
 from typing import Any
 
 from anamorph.base.compiled import cores
 from anamorph.base.errors import AnamorphError, nearest
 from anamorph.base.output import save_text
+from anamorph.base.progress import Report
 from anamorph.bench.thesis.cases import CaseTime, cases, time_cases
 from anamorph.bench.thesis.configurations import (
     EXACT,
@@ -126,7 +128,7 @@ def measure_thesis(
     methods: Sequence[Specification] = (),
     extent: Extent = FULL,
     parts: Sequence[str] = PARTS,
-    progress: Callable[[int, int, str], None] = lambda done, total, what: None,
+    report: Report = lambda done, total, what: None,
 ) -> Results:
     """Measure the tracer and `methods`.
 
@@ -141,31 +143,23 @@ def measure_thesis(
     places = lines_through(extent.sides, extent.counts, extent.quads)
     clipped = clip_lines(extent.sides, extent.counts, extent.quads)
     names, chosen = tuple(configurations())[: extent.configurations], cases(extent.case_scale)[: extent.cases]
-    steps = {
-        "random": len(places),
-        "clipping": len(clipped),
-        "configurations": len(names) * len(extent.configuration_sides),
-        "tessellation": len(names),
-        "growth": len(extent.growth),
-        "cases": len(chosen),
-    }
-    total, done = sum(steps[part] for part in parts), 0
+    sides, frames, done = extent.configuration_sides, extent.frames, count()
 
     def tell(what: str) -> None:
-        nonlocal done
-        progress(done, total, what)
-        done += 1
+        report(next(done), sum(runs[part][0] for part in parts), what)
 
-    frames = extent.frames
-    runs: dict[str, Callable[[], list]] = {
-        "random": lambda: time_random(places, timed, frames, tell),
-        "clipping": lambda: time_random(clipped, (STRAIGHT, CLIPPED_STRAIGHT), frames, tell),
-        "configurations": lambda: time_configurations(names, extent.configuration_sides, timed, frames, tell),
-        "tessellation": lambda: measure_tessellation(names, extent.sides[-1], extent.factors, frames, tell),
-        "growth": lambda: time_random(extent.growth, timed, frames, tell),
-        "cases": lambda: time_cases(chosen, drawn, frames, tell),
+    runs: dict[str, tuple[int, Callable[[], list]]] = {
+        "random": (len(places), lambda: time_random(places, timed, frames, tell)),
+        "clipping": (len(clipped), lambda: time_random(clipped, (STRAIGHT, CLIPPED_STRAIGHT), frames, tell)),
+        "configurations": (len(names) * len(sides), lambda: time_configurations(names, sides, timed, frames, tell)),
+        "tessellation": (
+            len(names),
+            lambda: measure_tessellation(names, extent.sides[-1], extent.factors, frames, tell),
+        ),
+        "growth": (len(extent.growth), lambda: time_random(extent.growth, timed, frames, tell)),
+        "cases": (len(chosen), lambda: time_cases(chosen, drawn, frames, tell)),
     }
-    return Results(adapter_name(), cores(), **{part: runs[part]() for part in PARTS if part in parts})
+    return Results(adapter_name(), cores(), **{part: runs[part][1]() for part in PARTS if part in parts})
 
 
 def write_results(results: Results, directory: Path) -> list[Path]:
@@ -206,12 +200,9 @@ def _csv(rows: Sequence[Any], results: Results) -> str:
     writer = csv.writer(text, lineterminator="\n")
     writer.writerow([*(column.name for column in fields(rows[0])), "adapter", "cores"])
     for row in rows:
-        writer.writerow([*(_cell(value) for value in astuple(row)), results.adapter, results.cores])
+        cells = (f"{value:.6g}" if isinstance(value, float) else value for value in astuple(row))
+        writer.writerow([*cells, results.adapter, results.cores])
     return text.getvalue()
-
-
-def _cell(value: object) -> object:
-    return f"{value:.6g}" if isinstance(value, float) else value
 
 
 def _plots(results: Results) -> list[Plot]:

@@ -25,6 +25,7 @@ from anamorph.frame import View
 from anamorph.measure.colors import color_errors
 from anamorph.methods import Specification
 from anamorph.raymesh import RayMesh
+from anamorph.rendering import draw_frame
 from anamorph.scene.model import Scene
 
 EXACT = Specification.parse("trilinear")
@@ -111,11 +112,11 @@ def measure_tessellation(
         view = View(scene, rays, (side, side))
         chosen = {(EXACT_EDGES, 0): EXACT}
         chosen |= {(way, factor): STRAIGHT.with_options(**{way: factor}) for way in TESSELLATION for factor in factors}
-        truth = _drawn(view, Specification.parse(COMPETITOR))
+        truth = draw_frame(view, Specification.parse(COMPETITOR)).color
         counted = _within(side)
         for (way, factor), method in chosen.items():
             timing = time_methods(scene, rays, view.size, [method], frames).timings[method]
-            error = color_errors(truth, _drawn(view, method), counted).relative_error
+            error = color_errors(truth, draw_frame(view, method).color, counted).relative_error
             known = _printed(name, side, way, factor)
             rows.append(TessellationError(name, side**2, way, factor, timing.median, timing.min, error, *known))
     return rows
@@ -137,9 +138,3 @@ def _printed(name: str, side: int, way: str, factor: int) -> tuple[float | None,
         return None, None
     named = dict(zip(("configuration", "resolution_px", "tessellation_factor"), key, strict=True))
     return printed(table, "ms", **named), printed(table, "relative_error", **named)
-
-
-def _drawn(view: View, method: Specification) -> np.ndarray:
-    session = method.open(view)
-    session.draw(view.camera)
-    return session.color()

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
+from operator import attrgetter
 from typing import Any
 
 from anamorph.bench.thesis.configurations import EXACT_EDGES, ConfigurationTime, TessellationError
@@ -31,13 +32,17 @@ class Plot:
 
 Key = Callable[[Any], Any]
 
+_method, _pixels, _count = attrgetter("method"), attrgetter("resolution_px"), attrgetter("scene_triangles")
+_rays, _ms, _printed_ms = attrgetter("trilinear_projections"), attrgetter("ms"), attrgetter("printed_ms")
+_place = attrgetter("resolution_px", "scene_triangles", "trilinear_projections", "roughness")
 
-def _lines(rows: Iterable[Any], x: Key, y: Key, group: Key, kind: Key) -> tuple[Line, ...]:
-    """Rows that have a figure as lines, one for each group and kind, ascending in x."""
+
+def _lines(figures: Iterable[tuple[Any, float | None]], x: Key, group: Key, kind: Key = _method) -> tuple[Line, ...]:
+    """Rows with their figures, where they have one, as lines: one for each group and kind, ascending in x."""
     found: dict[tuple[Any, str], dict[float, float]] = {}
-    for row in rows:
-        if y(row) is not None:
-            found.setdefault((group(row), kind(row)), {})[x(row)] = y(row)
+    for row, y in figures:
+        if y is not None:
+            found.setdefault((group(row), kind(row)), {})[x(row)] = y
     named = sorted(found.items(), key=lambda item: item[0])
     return tuple(
         Line(_named(label), method, *zip(*sorted(points.items()), strict=True)) for (label, method), points in named
@@ -56,43 +61,25 @@ def _as_printed(row: Any) -> str:
     return row.method if row.method == COMPETITOR else "trilinear as printed"
 
 
-def _speeds(rows: Sequence[Any], place: Key) -> list[tuple[Any, float, float | None]]:
-    """(row, speed here, printed speed) of what is not the tracer, where the tracer was timed as well."""
-    traced = {place(row): row for row in rows if row.method == COMPETITOR}
-    found = []
-    for row in rows:
-        tracer = traced.get(place(row))
-        if row.method != COMPETITOR and tracer and tracer.ms and row.ms:
-            known = tracer.printed_ms / row.printed_ms if tracer.printed_ms and row.printed_ms else None
-            found.append((row, tracer.ms / row.ms, known))
-    return found
+def _speeds(rows: Sequence[Any], place: Key, ms: Key) -> list[tuple[Any, float]]:
+    """Rows of what is not the tracer, with their speeds by `ms`, where that is known of both."""
+    traced = {place(row): ms(row) for row in rows if row.method == COMPETITOR}
+    others = [row for row in rows if row.method != COMPETITOR]
+    return [(row, traced[place(row)] / ms(row)) for row in others if traced.get(place(row)) and ms(row)]
 
 
 def _both(rows: Sequence[Any], x: Key, group: Key, label: str) -> tuple[Panel, Panel]:
     """Times here and printed."""
-    ours = _lines(rows, x, lambda row: row.ms, group, lambda row: row.method)
-    theirs = _lines(rows, x, lambda row: row.printed_ms, group, _as_printed)
+    ours = _lines(((row, row.ms) for row in rows), x, group)
+    theirs = _lines(((row, row.printed_ms) for row in rows), x, group, _as_printed)
     return Panel(HERE, label, TIME, ours), Panel(THESIS, label, TIME, theirs)
 
 
 def _both_speeds(rows: Sequence[Any], place: Key, x: Key, group: Key, label: str) -> tuple[Panel, Panel]:
     """Speeds here and printed."""
-    speeds = _speeds(rows, place)
-    ours = _lines(speeds, lambda s: x(s[0]), lambda s: s[1], lambda s: group(s[0]), lambda s: s[0].method)
-    theirs = _lines(speeds, lambda s: x(s[0]), lambda s: s[2], lambda s: group(s[0]), lambda s: _as_printed(s[0]))
+    ours = _lines(_speeds(rows, place, _ms), x, group)
+    theirs = _lines(_speeds(rows, place, _printed_ms), x, group, _as_printed)
     return Panel(HERE, label, SPEED, ours, even=1.0), Panel(THESIS, label, SPEED, theirs, even=1.0)
-
-
-def _pixels(row: Any) -> int:
-    return row.resolution_px
-
-
-def _count(row: RandomTime) -> int:
-    return row.scene_triangles
-
-
-def _rays(row: RandomTime) -> int:
-    return row.trilinear_projections
 
 
 def _by_count(row: RandomTime) -> tuple[str, int]:
@@ -101,10 +88,6 @@ def _by_count(row: RandomTime) -> tuple[str, int]:
 
 def _by_pixels(row: RandomTime) -> tuple[str, int]:
     return "pixels", row.resolution_px
-
-
-def _place(row: RandomTime) -> tuple[int, int, int, float]:
-    return row.resolution_px, row.scene_triangles, row.trilinear_projections, row.roughness
 
 
 def random_plots(rows: Sequence[RandomTime]) -> list[Plot]:
@@ -139,11 +122,11 @@ def clip_plots(rows: Sequence[RandomTime], straight: str, clipped: str) -> list[
     pairs = [(row, plain[_place(row)]) for row in rows if row.method == clipped]
 
     def panel(title: str, ms: Key) -> Panel:
-        slow = [(row, ms(row) / ms(fast)) for row, fast in pairs if ms(row) and ms(fast)]
-        lines = _lines(slow, lambda s: _rays(s[0]), lambda s: s[1], lambda s: _by_count(s[0]), lambda s: s[0].method)
+        slower = ((row, ms(row) / ms(fast)) for row, fast in pairs if ms(row) and ms(fast))
+        lines = _lines(slower, _rays, _by_count)
         return Panel(title, PROJECTIONS, "time with clipping in the scene, relative", lines, logarithmic=False)
 
-    panels = (panel(HERE, lambda row: row.ms), panel(THESIS, lambda row: row.printed_ms))
+    panels = (panel(HERE, _ms), panel(THESIS, _printed_ms))
     return [Plot("clipping", "Figure 8.16: clipping in the scene over clipping on the screen", panels)]
 
 
@@ -153,9 +136,7 @@ def configuration_plots(rows: Sequence[ConfigurationTime]) -> list[Plot]:
     def group(row: ConfigurationTime) -> str:
         return f"({row.configuration})"
 
-    def place(row: ConfigurationTime) -> tuple[str, int]:
-        return row.configuration, row.resolution_px
-
+    place = attrgetter("configuration", "resolution_px")
     return [
         Plot("configurations", "Figures 8.1, 8.4: time", _both(rows, _pixels, group, PIXELS)),
         Plot("speed-configurations", "Figure 8.7: speed", _both_speeds(rows, place, _pixels, group, PIXELS)),
@@ -201,18 +182,11 @@ def growth_plots(rows: Sequence[RandomTime]) -> list[Plot]:
     plots = []
     for roughness in sorted({row.roughness for row in rows}):
         those = [row for row in rows if row.roughness == roughness]
-        speeds = _speeds(those, _place)
-        times = _lines(those, _count, lambda row: row.ms, lambda row: (PROJECTIONS, _rays(row)), lambda row: row.method)
-        share = _lines(
-            speeds,
-            lambda s: s[0].pixels_a_ray_triangle,
-            lambda s: s[1],
-            lambda s: _by_count(s[0]),
-            lambda s: s[0].method,
-        )
+        times = _lines(((row, row.ms) for row in those), _count, lambda row: (PROJECTIONS, _rays(row)))
+        speeds = _lines(_speeds(those, _place, _ms), attrgetter("pixels_a_ray_triangle"), _by_count)
         panels = (
             Panel("time", TRIANGLES, TIME, times),
-            Panel("speed", "pixels a ray triangle", SPEED, share, even=1.0),
+            Panel("speed", "pixels a ray triangle", SPEED, speeds, even=1.0),
         )
         plots.append(Plot(f"growth-roughness-{roughness:g}", f"Growth and crossover, roughness {roughness:g}", panels))
     return plots

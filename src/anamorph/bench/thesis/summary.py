@@ -13,6 +13,7 @@ from anamorph.bench.thesis.configurations import EXACT, STRAIGHT
 from anamorph.bench.thesis.printed import COMPETITOR
 from anamorph.bench.thesis.sweeps import RandomTime
 from anamorph.measure.figures import number
+from anamorph.measure.table import headed
 
 
 def summary_tables(results: Results) -> list[Table]:
@@ -27,15 +28,8 @@ def summary_tables(results: Results) -> list[Table]:
     return tables
 
 
-def _headed(title: str, caption: str, *columns: str, words: int = 1) -> Table:
-    table = Table(title=Text(title), caption=Text(caption), title_justify="left", caption_justify="left")
-    for place, column in enumerate(columns):
-        table.add_column(column, justify="left" if place < words else "right")
-    return table
-
-
 def _case_table(rows: list[CaseTime], machine: str) -> Table:
-    table = _headed(
+    table = headed(
         "Table 8.1: ms a frame",
         f"{machine}; printed: an 800 MHz Athlon with a GeForce 2 MX, without a tree. "
         "Equal quality: the FLIP of 4 samples a pixel by the tracer, against 16",
@@ -55,7 +49,7 @@ def _case_table(rows: list[CaseTime], machine: str) -> Table:
 
 def _growth_table(rows: list[RandomTime], machine: str) -> Table:
     methods = list(dict.fromkeys(row.method for row in rows))
-    table = _headed(
+    table = headed(
         "Growth with the scene: ms a frame",
         f"{machine}; '-': could not be drawn, see growth.csv",
         "roughness", "size", "ray triangles", "scene triangles", *methods, words=0,
@@ -72,7 +66,7 @@ def _growth_table(rows: list[RandomTime], machine: str) -> Table:
 
 
 def _crossover_table(results: Results) -> Table:
-    table = _headed(
+    table = headed(
         "Crossover: where tracing is faster",
         "each line is measured from its least to its greatest value, with all else fixed",
         "method", "roughness", "fixed", "tracing is faster for", words=4,

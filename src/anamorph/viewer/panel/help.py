@@ -38,7 +38,8 @@ def draw_help(sheet: Sheet, state: State, size: tuple[int, int]) -> State:
         state = replace(state, help=False)
     imgui.separator()
     columns = 2 if available() >= 2.0 * COLUMN else 1
-    lists = [(group, [(" or ".join(each.keys), each.summary) for each in members]) for group, members in _groups()]
+    groups = groupby(SHORTCUTS, lambda each: each.group)
+    lists = [(group, [(" or ".join(each.keys), each.summary) for each in members]) for group, members in groups]
     lists.append(("Mouse and fingers", list(GESTURES)))
     if imgui.begin_table("##lists", columns, imgui.TableFlags_.sizing_stretch_same):
         for number in range(columns):
@@ -55,10 +56,6 @@ def draw_help(sheet: Sheet, state: State, size: tuple[int, int]) -> State:
 
 
 Rows = list[tuple[str, str]]
-
-
-def _groups() -> list[tuple[str, list]]:
-    return [(group, list(members)) for group, members in groupby(SHORTCUTS, lambda each: each.group)]
 
 
 def _shared(lists: list[tuple[str, Rows]], columns: int) -> list[list[tuple[str, Rows]]]:

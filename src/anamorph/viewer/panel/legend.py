@@ -10,7 +10,7 @@ from itertools import pairwise
 
 from imgui_bundle import imgui
 
-from anamorph.measure.heatmap import VIRIDIS
+from anamorph.measure.heatmap import STOPS
 from anamorph.viewer.facts import Rectangle
 from anamorph.viewer.measured import ERROR_COLORS, STATUS_COLORS, Color, scale_ticks
 from anamorph.viewer.panel import theme
@@ -106,8 +106,8 @@ def _scale(sheet: Sheet, key: str, unit: str, free: Rectangle) -> None:
 
 def _color_bar(unit: str, x: float, low: float) -> None:
     lines, color = imgui.get_background_draw_list(), imgui.get_color_u32(theme.TEXT)
-    step = BAR_HEIGHT / (len(VIRIDIS) - 1)
-    colors = [imgui.get_color_u32(_of_hex(each)) for each in VIRIDIS]
+    step = BAR_HEIGHT / (len(STOPS) - 1)
+    colors = [imgui.get_color_u32((red, green, blue, 1.0)) for red, green, blue in STOPS / 255.0]
     for number, (under, over) in enumerate(pairwise(colors)):
         y = low - number * step
         lines.add_rect_filled_multi_color((x, y - step), (x + BAR_WIDTH, y), over, over, under, under)
@@ -155,8 +155,3 @@ def _ground(sheet: Sheet, key: str, rectangle: Rectangle) -> None:
     left, top, right, bottom = rectangle
     imgui.get_background_draw_list().add_rect_filled((left, top), (right, bottom), imgui.get_color_u32(theme.SHADE))
     sheet.rectangles[key] = rectangle
-
-
-def _of_hex(color: str) -> theme.Color:
-    red, green, blue = (int(color[place : place + 2], 16) / 255.0 for place in (1, 3, 5))
-    return (red, green, blue, 1.0)

@@ -7,7 +7,7 @@ from dataclasses import replace
 from functools import lru_cache
 from typing import Any
 
-from anamorph.methods import METHODS, Method, Specification
+from anamorph.methods import METHODS, Specification
 from anamorph.scene.model import Scene
 from anamorph.scene.parts import specular_parts
 from anamorph.viewer.controls import OptionControl, option_controls
@@ -38,9 +38,6 @@ UNIT_SIGNS = {"degrees": "°", "pixels": "px"}
 
 BOUNCES = "bounces"
 """What methods call the option of how many mirrors and faces of lenses a path may meet."""
-
-cached_options = lru_cache(maxsize=32)(option_controls)
-"""A method's options; they are the same at every frame."""
 
 
 def picture_section(sheet: Sheet, state: State, facts: Facts) -> State:
@@ -85,11 +82,6 @@ def space_section(sheet: Sheet, state: State) -> State:
     return replace(state, drawings=frozenset(drawings))
 
 
-def method_title(name: str) -> str:
-    """What a method is called in lists."""
-    return f"{name} (the truth)" if name == TRUTH.method.name else name
-
-
 def few_bounces(options: Any, scene: Scene) -> str:
     """What to say of options that follow light over fewer mirrors and faces of lenses than the truth does."""
     shown, true = getattr(options, BOUNCES, None), getattr(TRUTH.options, BOUNCES)
@@ -117,7 +109,7 @@ def _half(sheet: Sheet, key: str, half: Half, facts: Facts) -> Half:
     if not fold(sheet, f"{key}/options", "Options", False):
         return half
     was = options
-    for control in cached_options(method):
+    for control in option_controls(method):
         value = _option(sheet, f"{key}/{control.name}", control, getattr(options, control.name))
         options = replace(options, **{control.name: value})
     if options != method.options() and button(sheet, f"{key}/reset", "Reset the options"):
@@ -128,13 +120,14 @@ def _half(sheet: Sheet, key: str, half: Half, facts: Facts) -> Half:
 def _methods(facts: Facts) -> tuple[Choice, ...]:
     glass = "This scene has glass, and {} does not refract: it cannot draw it"
     return tuple(
-        Choice(name, method_title(name), method.summary, "" if _draws(method, facts) else glass.format(name))
+        Choice(
+            name,
+            f"{name} (the truth)" if name == TRUTH.method.name else name,
+            method.summary,
+            glass.format(name) if facts.scene.refracts and not method.refracts else "",
+        )
         for name, method in METHODS.items()
     )
-
-
-def _draws(method: Method, facts: Facts) -> bool:
-    return method.refracts or not facts.scene.refracts
 
 
 def _option(sheet: Sheet, key: str, control: OptionControl, value: Any) -> Any:

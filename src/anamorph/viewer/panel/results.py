@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 import numpy as np
 from imgui_bundle import imgui
 
 from anamorph.measure.errors import Statistics
-from anamorph.viewer.facts import Facts, Figures, Inspection, Request
+from anamorph.viewer.facts import Facts, Inspection, Request
 from anamorph.viewer.panel import theme
 from anamorph.viewer.panel.sheet import Sheet, button, caption, field_width, row, section, wrapped
 from anamorph.viewer.panel.wording import (
@@ -79,8 +77,9 @@ def figures_section(sheet: Sheet, state: State, facts: Facts) -> None:
     row(f"95 %, {unit}", *(figure(each.p95) for each in of))
     row(f"maximum, {unit}", *(figure(each.max) for each in of))
     row("other object, %", *(figure(None if each is None else each.other_object_percent) for each in figures))
-    for name in _statuses(figures):
-        row(f"{name_text(name)}, %", *(_share(each, name) for each in figures))
+    for name in dict.fromkeys(name for each in figures if each for name in each.status_percent):
+        shares = (f"{each.status_percent.get(name, 0.0):.1f}" if each else NOT_MEASURED for each in figures)
+        row(f"{name_text(name)}, %", *shares)
 
 
 def save_section(sheet: Sheet, state: State, facts: Facts) -> None:
@@ -145,11 +144,3 @@ def _inspection(seen: Inspection) -> None:
     caption("True path, m")
     for number, stop in enumerate(seen.path):
         row(f"{'→ ' if number else ''}{stop.name}", point_text(stop.point))
-
-
-def _statuses(figures: Sequence[Figures | None]) -> list[str]:
-    return list(dict.fromkeys(name for each in figures if each for name in each.status_percent))
-
-
-def _share(figures: Figures | None, name: str) -> str:
-    return NOT_MEASURED if figures is None else f"{figures.status_percent.get(name, 0.0):.1f}"

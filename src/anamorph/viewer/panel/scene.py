@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from functools import lru_cache, partial
+from functools import partial
 from itertools import groupby
 
 from anamorph.base.errors import AnamorphError
 from anamorph.scene.camera import Camera
 from anamorph.viewer.controls import Control, eye_controls, reading, scene_controls, with_eye
 from anamorph.viewer.facts import Facts
-from anamorph.viewer.home import first_observer
+from anamorph.viewer.observer import first_observer
 from anamorph.viewer.panel.fields import number
 from anamorph.viewer.panel.sheet import Sheet, button, caption, checkbox, choice, fold, section
 from anamorph.viewer.panel.wording import decimals, number_text
@@ -18,15 +18,12 @@ from anamorph.viewer.state import EyeSide, State, with_observer
 
 SIDES = ((EyeSide.LEFT, "Left"), (EyeSide.MIDDLE, "Middle"), (EyeSide.RIGHT, "Right"))
 
-cached_controls = lru_cache(maxsize=4)(scene_controls)
-"""A scene's controls; they are the same at every frame."""
-
 
 def scene_section(sheet: Sheet, state: State, facts: Facts) -> State:
     """The controls that the scene's parts have."""
     if not section(sheet, "section/scene", "Scene"):
         return state
-    controls = cached_controls(facts.scene)
+    controls = scene_controls(facts.scene)
     if not controls:
         caption("Nothing to turn here: the scene has no mirror and no lens.")
         sheet.note("scene/empty")
@@ -98,6 +95,5 @@ def _field(sheet: Sheet, control: Control, value: float) -> float:
         step=control.step,
         unit=control.unit.removeprefix("1"),
         summary=control.summary,
-        logarithmic=control.logarithmic,
         shown=partial(curvature_text, control) if control.unit == "1/m" else None,
     )

@@ -10,6 +10,7 @@ import pytest
 from anamorph.base.errors import AnamorphError
 from anamorph.base.steps import drain
 from anamorph.frame import Status
+from anamorph.methods.tracing.launch import eye_rays
 from anamorph.methods.tracing.paths import PathTracer, specular_rectangle
 from anamorph.optics.laws import fresnel, reflect, schlick
 from anamorph.optics.reflection import reflected_rays, reflector
@@ -120,7 +121,7 @@ def trace(meshes, camera, size=SIZE, rectangle=None, shift=(0.0, 0.0), **options
     scene = Scene("test", tuple(meshes), camera)
     geometry = flatten(scene)
     tracer = PathTracer(scene, geometry, Caster(geometry), **options)
-    return Traced(drain(tracer.tracing(camera, size, rectangle, shift)), geometry)
+    return Traced(drain(tracer.tracing(eye_rays(camera, size, rectangle, shift))), geometry)
 
 
 def pixel_rays(camera, size=SIZE):
@@ -445,12 +446,12 @@ def test_records_are_filled_again():
     scene = Scene("test", (box(),), camera)
     geometry = flatten(scene)
     tracer = PathTracer(scene, geometry, Caster(geometry))
-    first = drain(tracer.tracing(camera, SIZE))
+    first = drain(tracer.tracing(eye_rays(camera, SIZE)))
     kept = first.copy()
     first[:] = 7.0
-    assert drain(tracer.tracing(camera, SIZE, records=first)) is first and np.array_equal(first, kept)
-    assert drain(tracer.tracing(camera, (9, 9), records=first)).shape == (81, 16)
-    assert drain(tracer.tracing(camera, SIZE, (5, 5, 5, 9))).shape == (0, 16)
+    assert drain(tracer.tracing(eye_rays(camera, SIZE), first)) is first and np.array_equal(first, kept)
+    assert drain(tracer.tracing(eye_rays(camera, (9, 9)), first)).shape == (81, 16)
+    assert drain(tracer.tracing(eye_rays(camera, SIZE, (5, 5, 5, 9)))).shape == (0, 16)
 
 
 def test_rectangle_holds_every_pixel_that_looks_at_a_mirror():

@@ -21,12 +21,7 @@ from anamorph.methods.trilinear.following import following_rays
 from anamorph.methods.trilinear.pairs import FRONTS, Own
 from anamorph.methods.trilinear.pixels import seen_pixels
 from anamorph.methods.trilinear.plan import Plan, Planner
-from anamorph.methods.trilinear.ray_records import (
-    following_records,
-    pair_records,
-    piece_records,
-    triangle_records,
-)
+from anamorph.methods.trilinear.ray_records import following_records, pair_records, piece_records, triangle_records
 from anamorph.methods.trilinear.ray_triangles import RayTriangles
 from anamorph.methods.trilinear.visibility import FINENESS, Visibility
 

@@ -12,14 +12,7 @@ import wgpu
 from anamorph.base.steps import drain, timed
 from anamorph.frame import Frame, Status
 from anamorph.gpu.device import get_device
-from anamorph.gpu.drawing import (
-    ScenePipelines,
-    bind_scene,
-    draw_depth,
-    draw_scene,
-    scene_pipelines,
-    submit,
-)
+from anamorph.gpu.drawing import ScenePipelines, bind_scene, draw_depth, draw_scene, scene_pipelines, submit
 from anamorph.gpu.targets import (
     COLOR_FORMAT,
     SEEN_FORMATS,

@@ -11,13 +11,7 @@ import wgpu
 from anamorph.gpu.bindings import SAMPLER, STORAGE, bind, layout_of, texture
 from anamorph.gpu.buffers import SceneBuffers, storage_buffer
 from anamorph.gpu.device import of_device
-from anamorph.gpu.drawing import (
-    ProjectionUniform,
-    ScenePipelines,
-    draw_depth,
-    draw_scene,
-    scene_pipelines,
-)
+from anamorph.gpu.drawing import ProjectionUniform, ScenePipelines, draw_depth, draw_scene, scene_pipelines
 from anamorph.gpu.targets import (
     COLOR_FORMAT,
     DEPTH_FORMAT,

@@ -12,13 +12,7 @@ import wgpu
 
 from anamorph.gpu.buffers import SceneBuffers
 from anamorph.gpu.device import get_device, maximum_size
-from anamorph.gpu.drawing import (
-    OUTPUTS,
-    ProjectionUniform,
-    draw_depth,
-    draw_scene,
-    scene_pipelines,
-)
+from anamorph.gpu.drawing import OUTPUTS, ProjectionUniform, draw_depth, draw_scene, scene_pipelines
 from anamorph.gpu.targets import COLOR_FORMAT, MAP_FORMATS, begin_depth_pass, begin_pass, make_target, make_texture
 from anamorph.methods.pervertex.halving import halve, halvings
 from anamorph.projection import Projection

@@ -114,8 +114,10 @@ class RayLayer:
             pieces = piece_records(beams, plan)
         else:
             # Those left out may have no direction at all.
-            shown = (each[beams.number] for each in (rays.picture, rays.origins, rays.directions))
-            pieces = self._straight(*shown, triangles.corners, plan.pair[:, :2])
+            picture, origins, directions = (
+                each[beams.number] for each in (rays.picture, rays.origins, rays.directions)
+            )
+            pieces = self._straight(picture, origins, directions, triangles.corners, plan.pair[:, :2])
         self.visibility.write(records, pairs, pieces)
         return LayerPlan(beams, plan, records, pairs)
 

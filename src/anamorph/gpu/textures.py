@@ -69,8 +69,10 @@ def texture_array(textures: tuple[Texture, ...]) -> wgpu.GPUTexture:
     if len(textures) > most:
         raise AnamorphError(f"scene: has {len(textures)} images, and the device takes {most}; let parts share images")
     size = _layer_size(textures)
-    white = np.full((size, size, 4), 255, np.uint8)
-    return _upload([white, *(_resized(texture.pixels, (size, size)) for texture in textures)])
+    layers = [np.full((size, size, 4), 255, np.uint8)]
+    for texture in textures:
+        layers.append(_resized(texture.pixels, (size, size)))
+    return _upload(layers)
 
 
 def _resized(pixels: np.ndarray, size: tuple[int, int]) -> np.ndarray:

@@ -63,11 +63,7 @@ def make_pipeline(
     description: dict[str, dict[str, Any]] = {
         "vertex": {"entry_point": vertex, "buffers": list(buffers), **stage},
         "primitive": {"topology": topology, "cull_mode": cull, "front_face": "cw" if mirrored else "ccw"},
-        "depth_stencil": {
-            "format": DEPTH_FORMAT,
-            "depth_write_enabled": depth_write,
-            "depth_compare": depth_compare,
-        },
+        "depth_stencil": {"format": DEPTH_FORMAT, "depth_write_enabled": depth_write, "depth_compare": depth_compare},
         "multisample": {"count": samples},
     }
     if fragment is not None:

@@ -185,13 +185,7 @@ class Caster:
         tree = embree.EmbreeTree(positions, self._faces, upkeep)
         return embree.EmbreeForest([tree], [np.arange(len(self._faces), dtype=np.int32)])
 
-    def cast(
-        self,
-        origins: ArrayLike,
-        directions: ArrayLike,
-        near: ArrayLike = 0.0,
-        coherent: bool = False,
-    ) -> Hits:
+    def cast(self, origins: ArrayLike, directions: ArrayLike, near: ArrayLike = 0.0, coherent: bool = False) -> Hits:
         """Find what each ray hits first.
 
         Parameters

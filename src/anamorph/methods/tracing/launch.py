@@ -99,10 +99,7 @@ FirstRays = EyeRays | GivenRays
 
 
 def eye_rays(
-    camera: Camera,
-    size: tuple[int, int],
-    rectangle: Rectangle | None = None,
-    shift: tuple[float, float] = (0.0, 0.0),
+    camera: Camera, size: tuple[int, int], rectangle: Rectangle | None = None, shift: tuple[float, float] = (0.0, 0.0)
 ) -> EyeRays:
     """The rays through a rectangle (x0, y0, x1, y1) of a picture, its ends left out; through all of it by default."""
     x0, y0, x1, y1 = rectangle or (0, 0, *size)

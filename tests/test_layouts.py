@@ -16,6 +16,7 @@ from anamorph.methods.pervertex import level
 from anamorph.methods.pervertex.atlas import LEVELS
 from anamorph.methods.pervertex.overlay import BALL_VERTICES
 from anamorph.methods.tracing.bounces import DIFFUSE, MIRROR
+from anamorph.methods.tracing.launch import GivenRays
 from anamorph.methods.tracing.paths import PathTracer
 from anamorph.methods.tracing.tiles import RECORD_BYTES
 from anamorph.methods.trilinear import ray_records
@@ -122,7 +123,7 @@ def test_the_end_of_a_path_is_packed_member_by_member():
     scene = flat_mirror_scene()
     geometry = flatten(scene)
     tracer = PathTracer(scene, geometry, Caster(geometry), max_bounces=0)
-    record = drain(tracer.tracing_rays(np.array([[0.05, 0.5, 2.0]]), np.array([[0.0, 0.0, -3.0]])))[0]
+    record = drain(tracer.tracing(GivenRays(np.array([[0.05, 0.5, 2.0]]), np.array([[0.0, 0.0, -3.0]]))))[0]
     members = {name: offset // 4 for name, offset in structure("methods/tracing", "PathEnd").members.items()}
 
     def member(name, count=1):

@@ -31,6 +31,7 @@ from anamorph.files.models import load_parts
 from anamorph.files.opening import open_scene
 from anamorph.files.source import FaceChoice
 from anamorph.gallery import door_mirror
+from anamorph.methods.tracing.launch import eye_rays
 from anamorph.methods.tracing.paths import PathTracer
 from anamorph.rays.caster import Caster
 from anamorph.scene.geometry import flatten
@@ -301,7 +302,7 @@ def test_surface_truth_of_the_cad_mirror_does_not_depend_on_its_density():
     for density in (12, 48):
         scene, _ = open_scene(door_mirror.FILE, FaceChoice(density=density), "car-mirror")
         geometry = flatten(scene)
-        records.append(drain(PathTracer(scene, geometry, Caster(geometry)).tracing(scene.camera, (64, 48))))
+        records.append(drain(PathTracer(scene, geometry, Caster(geometry)).tracing(eye_rays(scene.camera, (64, 48)))))
     coarse, fine = records
     mirrored = ((coarse[:, 7].view(np.uint32) >> 24) == 1) & ((fine[:, 7].view(np.uint32) >> 24) == 1)
     assert mirrored.sum() > 500

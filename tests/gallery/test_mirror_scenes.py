@@ -13,6 +13,7 @@ from anamorph.base.steps import drain
 from anamorph.frame import Status
 from anamorph.gallery.curvature_series import FLATTEST, RADII, SIZE, curved_mirror, one_mirror
 from anamorph.gallery.torus import MAJOR, MINOR
+from anamorph.methods.tracing.launch import eye_rays
 from anamorph.methods.tracing.paths import PathTracer
 from anamorph.optics.laws import reflect
 from anamorph.rays.caster import Caster
@@ -43,7 +44,7 @@ def mesh(name, part):
 def traced(view, size=PICTURE):
     """The tracer's records, (H, W, 16), and of each pixel its number of bounces, status and first mirror's name."""
     geometry = flatten(view)
-    records = drain(PathTracer(view, geometry, Caster(geometry)).tracing(view.camera, size))
+    records = drain(PathTracer(view, geometry, Caster(geometry)).tracing(eye_rays(view.camera, size)))
     flags = records.view(np.uint32)[:, 7].reshape(size[1], size[0])
     names = np.array(["", *(part.name for part in view.meshes)])[flags & 0xFFFF]
     return records.reshape(size[1], size[0], 16), flags >> 24, (flags >> 16) & 0xFF, names

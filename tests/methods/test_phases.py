@@ -13,7 +13,7 @@ from anamorph.files.opening import open_scene
 from anamorph.frame import View
 from anamorph.gpu import timing
 from anamorph.gpu.device import get_device
-from anamorph.gpu.drawing import color_pipelines, draw_depth, draw_scene, submit
+from anamorph.gpu.drawing import draw_depth, draw_scene, scene_pipelines, submit
 from anamorph.gpu.targets import COLOR_FORMAT, begin_depth_pass, begin_pass, make_target
 from anamorph.methods import METHODS, Session, Specification, session
 from anamorph.methods.pervertex.pervertex import Options, PerVertexDrawing
@@ -104,10 +104,10 @@ def test_a_timer_times_what_is_drawn_between_its_ends() -> None:
         if inside:
             timer.begin(encoder)
         depth_pass = begin_depth_pass(encoder, target)
-        draw_depth(depth_pass, color_pipelines(), stage.buffers, stage.projection)
+        draw_depth(depth_pass, scene_pipelines("color"), stage.buffers, stage.projection)
         depth_pass.end()
         render_pass = begin_pass(encoder, target, keep_depth=True)
-        draw_scene(render_pass, color_pipelines(), stage.buffers, stage.projection)
+        draw_scene(render_pass, scene_pipelines("color"), stage.buffers, stage.projection)
         render_pass.end()
         if not inside:
             timer.begin(encoder)

@@ -7,10 +7,16 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from anamorph.optics.viewpoint import normal_equations, virtual_viewpoint
+from anamorph.optics.viewpoint import virtual_viewpoint
 from anamorph.projection import map_frame
 
 SEEDS = st.integers(0, 2**32 - 1)
+
+
+def normal_equations(origins, directions):
+    """Matrix and right side of the least-squares point: mean(I - d d^T) x = mean((I - d d^T) o)."""
+    across = np.eye(3) - directions[:, :, None] * directions[:, None]
+    return across.mean(axis=0), np.einsum("nij,nj->i", across, origins) / len(origins)
 
 
 def unit(vectors):

@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 
 from anamorph.base.errors import AnamorphError
 from anamorph.base.steps import drain
+from anamorph.methods.tracing.launch import eye_rays
 from anamorph.methods.tracing.paths import PathTracer
 from anamorph.rays.caster import Caster
 from anamorph.scene.camera import Camera
@@ -116,7 +117,7 @@ def test_surface_truth_bends_at_the_exact_nurbs():
         exact = Mesh("mirror", mesh.positions, mesh.faces, mesh.normals, Mirror(), None, None, surface, parameters)
         scene = Scene("cap", (exact,), camera)
         geometry = flatten(scene)
-        records.append(drain(PathTracer(scene, geometry, Caster(geometry)).tracing(camera, (32, 24))))
+        records.append(drain(PathTracer(scene, geometry, Caster(geometry)).tracing(eye_rays(camera, (32, 24)))))
     assert (records[0][:, 7].view(np.uint32) >> 24 == 1).mean() > 0.3
     np.testing.assert_allclose(records[0][:, [0, 1, 2, 4, 5, 6]], records[1][:, [0, 1, 2, 4, 5, 6]], atol=2e-7)
 

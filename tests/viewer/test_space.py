@@ -15,6 +15,7 @@ from anamorph.gallery.shapes import box
 from anamorph.methods import Specification
 from anamorph.methods.pervertex import Options, seen_bodies
 from anamorph.methods.tracing import PathTracer
+from anamorph.methods.tracing.launch import GivenRays
 from anamorph.raymesh import RayStatus
 from anamorph.scene.camera import Camera
 from anamorph.scene.model import Diffuse, Glass, Mirror, Scene
@@ -129,7 +130,7 @@ def test_hits_are_where_the_traced_paths_of_the_vertices_end():
     vertices = seen.body_rays.side.optics.positions
     eye = np.tile(np.array(CAMERA.position), (len(vertices), 1))
     records = drain(
-        PathTracer(scene, space.geometry, space.surroundings.caster).tracing_rays(eye, vertices - eye)
+        PathTracer(scene, space.geometry, space.surroundings.caster).tracing(GivenRays(eye, vertices - eye))
     ).astype(float)
     ends = records[:, :3] + records[:, 11:12] * records[:, 4:7]
     bent = (records.astype(np.float32).view(np.uint32)[:, 7] >> 24) == 1

@@ -63,7 +63,8 @@ def multi_perspective(
     first = _part(left, part, height, parallel[0], surface)
     last = _part(right, part, height, parallel[1], surface)
     inner, outer = first[:, :, 1:], last[:, :, :1]
-    if (_cosines(inner[1], outer[1]) < OPPOSITE).any():
+    lengths = np.linalg.norm(inner[1], axis=-1) * np.linalg.norm(outer[1], axis=-1)
+    if (np.sum(inner[1] * outer[1], axis=-1) / lengths < OPPOSITE).any():
         raise AnamorphError("camera: left and right look in opposite directions; turn one, or put a third view between")
     turned = steps if columns == 1 else steps * steps * (3.0 - 2.0 * steps)
     between = inner + (outer - inner) * turned[:, None]
@@ -84,7 +85,3 @@ def _part(camera: Camera, width: float, height: int, parallel: bool, surface: fl
         directions = np.broadcast_to((1.0 - surface) * forward, sight.shape)
         return np.stack([camera.position + sight - directions, directions])
     return np.stack([camera.position + surface * sight, (1.0 - surface) * sight])
-
-
-def _cosines(one: np.ndarray, other: np.ndarray) -> np.ndarray:
-    return np.sum(one * other, axis=-1) / (np.linalg.norm(one, axis=-1) * np.linalg.norm(other, axis=-1))

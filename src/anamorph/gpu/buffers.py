@@ -12,17 +12,7 @@ from anamorph.gpu.bindings import SAMPLER, STORAGE, UNIFORM, bind, layout_of, te
 from anamorph.gpu.device import get_device, of_device
 from anamorph.gpu.textures import sky_texture, texture_array, texture_sampler
 from anamorph.scene.geometry import Geometry
-from anamorph.scene.model import (
-    AmbientLight,
-    Diffuse,
-    DirectionalLight,
-    Glass,
-    Material,
-    Mirror,
-    PointLight,
-    Scene,
-    Texture,
-)
+from anamorph.scene.model import AmbientLight, Diffuse, Glass, Mirror, PointLight, Scene, Texture
 
 VERTEX = np.dtype(
     [("position", "f4", 3), ("normal", "f4", 3), ("texcoord", "f4", 2), ("color", "u2", 4), ("object", "u4")]
@@ -65,8 +55,8 @@ class SceneBuffers:
     Parameters
     ----------
     vertices, indices : buffers
-    first_vertex, first_face : (meshes + 1,) int64
-        Mesh i owns vertices first_vertex[i] to first_vertex[i + 1], and triangles likewise.
+    first_face : (meshes + 1,) int64
+        Mesh i owns triangles first_face[i] to first_face[i + 1].
     specular, mirrors : tuple of int
         Indices of the meshes that are mirrors or glass, and of the mirrors alone.
     bends, textured : (meshes,) bool
@@ -79,7 +69,6 @@ class SceneBuffers:
 
     vertices: wgpu.GPUBuffer
     indices: wgpu.GPUBuffer
-    first_vertex: np.ndarray
     first_face: np.ndarray
     specular: tuple[int, ...]
     mirrors: tuple[int, ...]
@@ -101,7 +90,7 @@ def upload_scene(scene: Scene, geometry: Geometry) -> SceneBuffers:
     textures = _distinct_textures(scene)
     objects = _objects(scene, textures)
     resources = [
-        _uniform_buffer(_lighting(scene)),
+        get_device().create_buffer_with_data(data=_lighting(scene), usage=wgpu.BufferUsage.UNIFORM),
         storage_buffer(objects),
         texture_array(textures).create_view(dimension="2d-array"),
         texture_sampler(),
@@ -111,7 +100,6 @@ def upload_scene(scene: Scene, geometry: Geometry) -> SceneBuffers:
     return SceneBuffers(
         vertices=storage_buffer(pack_vertices(geometry), wgpu.BufferUsage.VERTEX),
         indices=storage_buffer(geometry.faces.astype(np.uint32), wgpu.BufferUsage.INDEX),
-        first_vertex=geometry.first_vertex,
         first_face=geometry.first_face,
         specular=tuple(i for i, mesh in enumerate(scene.meshes) if mesh.specular),
         mirrors=tuple(i for i, mesh in enumerate(scene.meshes) if isinstance(mesh.material, Mirror)),
@@ -132,10 +120,6 @@ def _most_bytes(needed: int) -> int:
             "simplify its meshes"
         )
     return limit
-
-
-def _uniform_buffer(data: np.ndarray) -> wgpu.GPUBuffer:
-    return get_device().create_buffer_with_data(data=data, usage=wgpu.BufferUsage.UNIFORM)
 
 
 def storage_buffer(data: np.ndarray, usage: int = 0) -> wgpu.GPUBuffer:
@@ -172,29 +156,22 @@ def pack_vertices(geometry: Geometry) -> np.ndarray:
 
 
 def _distinct_textures(scene: Scene) -> tuple[Texture, ...]:
-    textures: dict[int, Texture] = {}
-    for mesh in scene.meshes:
-        if isinstance(mesh.material, Diffuse) and mesh.material.texture is not None:
-            textures.setdefault(id(mesh.material.texture), mesh.material.texture)
-    return tuple(textures.values())
+    textures = [mesh.material.texture for mesh in scene.meshes if isinstance(mesh.material, Diffuse)]
+    return tuple({id(texture): texture for texture in textures if texture is not None}.values())
 
 
 def _objects(scene: Scene, textures: tuple[Texture, ...]) -> np.ndarray:
     layers = {id(texture): layer for layer, texture in enumerate(textures, start=1)}
     objects = np.zeros(len(scene.meshes), OBJECT)
     for row, mesh in zip(objects, scene.meshes, strict=True):
-        _fill_object(row, mesh.material, layers)
+        match mesh.material:
+            case Diffuse(color=color, texture=image):
+                row["color"], row["texture_layer"] = color, layers.get(id(image), 0)
+            case Glass(tint=tint, index=index):
+                row["color"], row["tint"], row["parameter"], row["kind"] = 1.0, tint, index, 2
+            case Mirror(back=back, tint=tint, reflectance=share):
+                row["color"], row["tint"], row["parameter"], row["kind"] = back, tint, share, 1
     return objects
-
-
-def _fill_object(row: np.void, material: Material, layers: dict[int, int]) -> None:
-    if isinstance(material, Diffuse):
-        row["color"] = material.color
-        row["texture_layer"] = layers.get(id(material.texture), 0)
-    elif isinstance(material, Glass):
-        row["color"], row["tint"], row["parameter"], row["kind"] = 1.0, material.tint, material.index, 2
-    else:
-        row["color"], row["tint"], row["parameter"], row["kind"] = material.back, material.tint, material.reflectance, 1
 
 
 def _lighting(scene: Scene) -> np.ndarray:
@@ -211,13 +188,9 @@ def _lighting(scene: Scene) -> np.ndarray:
     # Where there is no light, the last one is black.
     flags[6 + 2 * max(len(lights) - 1, 0), 3] = 1
     for i, light in enumerate(lights):
-        words[5 + 2 * i, :3], flags[5 + 2 * i, 3] = _place(light)
+        if isinstance(light, PointLight):
+            words[5 + 2 * i, :3], flags[5 + 2 * i, 3] = light.position, 1
+        else:
+            words[5 + 2 * i, :3] = np.asarray(light.toward) / np.linalg.norm(light.toward)
         words[6 + 2 * i, :3] = light.color
     return words
-
-
-def _place(light: DirectionalLight | PointLight) -> tuple[tuple[float, float, float], int]:
-    if isinstance(light, PointLight):
-        return light.position, 1
-    unit = np.asarray(light.toward) / np.linalg.norm(light.toward)
-    return (float(unit[0]), float(unit[1]), float(unit[2])), 0

@@ -16,12 +16,7 @@ os.environ.setdefault("XDG_RUNTIME_DIR", tempfile.gettempdir())
 import wgpu
 
 # A larger scene, texture or picture than WebGPU's guaranteed minimum is welcome wherever the adapter can hold it.
-_LIMITS = (
-    "max-texture-dimension-2d",
-    "max-texture-array-layers",
-    "max-buffer-size",
-    "max-storage-buffer-binding-size",
-)
+_LIMITS = ("max-texture-dimension-2d", "max-texture-array-layers", "max-buffer-size", "max-storage-buffer-binding-size")
 _FEATURES = ("timestamp-query",)
 """What is asked for wherever the adapter has it; nothing depends on it."""
 

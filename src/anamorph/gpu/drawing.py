@@ -23,23 +23,17 @@ def projection_layout() -> wgpu.GPUBindGroupLayout:
     return layout_of(UNIFORM, stages=wgpu.ShaderStage.VERTEX | wgpu.ShaderStage.FRAGMENT)
 
 
-@dataclass(frozen=True, eq=False)
 class ProjectionUniform:
-    """A projection on the device: group 1."""
+    """A projection on the device, at first unset: group 1."""
 
-    buffer: wgpu.GPUBuffer
-    group: wgpu.GPUBindGroup
+    def __init__(self) -> None:
+        usage = wgpu.BufferUsage.UNIFORM | wgpu.BufferUsage.COPY_DST
+        self.buffer = get_device().create_buffer(size=UNIFORM_BYTES, usage=usage)
+        self.group = bind(projection_layout(), [self.buffer])
 
     def write(self, projection: Projection, size: tuple[int, int]) -> None:
         """Set it for a picture of `size`."""
         get_device().queue.write_buffer(self.buffer, 0, projection.uniform(size))
-
-
-def projection_uniform() -> ProjectionUniform:
-    """An unset projection."""
-    usage = wgpu.BufferUsage.UNIFORM | wgpu.BufferUsage.COPY_DST
-    buffer = get_device().create_buffer(size=UNIFORM_BYTES, usage=usage)
-    return ProjectionUniform(buffer, bind(projection_layout(), [buffer]))
 
 
 def make_pipeline(
@@ -69,11 +63,7 @@ def make_pipeline(
     description: dict[str, dict[str, Any]] = {
         "vertex": {"entry_point": vertex, "buffers": list(buffers), **stage},
         "primitive": {"topology": topology, "cull_mode": cull, "front_face": "cw" if mirrored else "ccw"},
-        "depth_stencil": {
-            "format": DEPTH_FORMAT,
-            "depth_write_enabled": depth_write,
-            "depth_compare": depth_compare,
-        },
+        "depth_stencil": {"format": DEPTH_FORMAT, "depth_write_enabled": depth_write, "depth_compare": depth_compare},
         "multisample": {"count": samples},
     }
     if fragment is not None:
@@ -111,70 +101,42 @@ class ScenePipelines:
     sky: wgpu.GPURenderPipeline
 
 
-def _scene_pipelines(
-    meshes: str,
-    stand_ins: str,
-    sky: str,
-    formats: Sequence[str],
-    samples: int = 1,
-    mirrored: bool = False,
-    sky_image: bool = True,
-) -> ScenePipelines:
-    module = shader_module("gpu/scene.wgsl")
+OUTPUTS: dict[str, tuple[str, ...]] = {
+    "color": (COLOR_FORMAT,),
+    "color_and_depth": (COLOR_FORMAT, *MAP_FORMATS),
+    "depth": MAP_FORMATS,
+    "end": MAP_FORMATS,
+    "seen": SEEN_FORMATS,
+}
+"""What can be drawn, and the targets that it takes; fragment functions are called after it.
 
-    def pipeline(vertex: str, fragment: str, textures: bool = True, **settings: Any) -> wgpu.GPURenderPipeline:
-        constants: dict[str, float] = {"SKY_IMAGE": int(sky_image), "TEXTURES": int(textures)}
-        return make_pipeline(
-            module, vertex, fragment, formats, samples=samples, mirrored=mirrored, constants=constants, **settings
-        )
-
-    return ScenePipelines(
-        depth=make_pipeline(module, "depth_vertex", None, (), samples=samples, mirrored=mirrored),
-        meshes=pipeline("scene_vertex", meshes, depth_compare="equal", depth_write=False),
-        plain=pipeline("scene_vertex", meshes, textures=False, depth_compare="equal", depth_write=False),
-        backs=pipeline("scene_vertex", meshes, textures=False, cull="front"),
-        stand_ins=pipeline("scene_vertex", stand_ins, cull="back"),
-        sky=pipeline("sky_vertex", sky, buffers=(), depth_compare="greater-equal", depth_write=False),
-    )
+Of a frame, shaded colour, and the seen buffers. Of a map, depth with its slopes, from which the map's reader finds the
+seen point; that and colour in one pass; and the point and the object at the end of a path."""
 
 
 @of_device
-def color_pipelines(samples: int = 1, mirrored: bool = False, sky_image: bool = True) -> ScenePipelines:
-    """Shaded colour; `mirrored` for projections whose pictures are left-handed, as a cube map's faces are.
+def scene_pipelines(output: str, samples: int = 1, mirrored: bool = False, sky_image: bool = True) -> ScenePipelines:
+    """The scene for one of `OUTPUTS`; `mirrored` for projections whose pictures are left-handed, as a cube map's are.
 
     Without a `sky_image` they draw only scenes whose sky is a gradient, and that faster.
     """
-    formats = (COLOR_FORMAT,)
-    return _scene_pipelines(
-        "scene_color", "stand_in_color", "sky_color_fragment", formats, samples, mirrored, sky_image
+    module = shader_module("gpu/scene.wgsl")
+
+    def pipeline(vertex: str, shown: str, textures: bool = True, **settings: Any) -> wgpu.GPURenderPipeline:
+        constants: dict[str, float] = {"SKY_IMAGE": int(sky_image), "TEXTURES": int(textures)}
+        return make_pipeline(
+            module, vertex, f"{shown}_{output}", OUTPUTS[output],
+            samples=samples, mirrored=mirrored, constants=constants, **settings,
+        )  # fmt: skip
+
+    return ScenePipelines(
+        depth=make_pipeline(module, "depth_vertex", None, (), samples=samples, mirrored=mirrored),
+        meshes=pipeline("scene_vertex", "scene", depth_compare="equal", depth_write=False),
+        plain=pipeline("scene_vertex", "scene", textures=False, depth_compare="equal", depth_write=False),
+        backs=pipeline("scene_vertex", "scene", textures=False, cull="front"),
+        stand_ins=pipeline("scene_vertex", "stand_in", cull="back"),
+        sky=pipeline("sky_vertex", "far_sky", buffers=(), depth_compare="greater-equal", depth_write=False),
     )
-
-
-@of_device
-def seen_pipelines() -> ScenePipelines:
-    """The seen buffers of a frame."""
-    return _scene_pipelines("scene_seen", "scene_seen", "sky_seen", SEEN_FORMATS)
-
-
-@of_device
-def color_and_depth_pipelines(sky_image: bool = True) -> ScenePipelines:
-    """Colour and a map's depth in one pass."""
-    formats = (COLOR_FORMAT, *MAP_FORMATS)
-    return _scene_pipelines(
-        "scene_color_and_depth", "stand_in_color_and_depth", "sky_color_and_depth", formats, sky_image=sky_image
-    )
-
-
-@of_device
-def map_pipelines(mirrored: bool = False) -> ScenePipelines:
-    """Depth with its slopes, from which a map's reader finds the seen point."""
-    return _scene_pipelines("scene_depth", "stand_in_depth", "sky_depth", MAP_FORMATS, mirrored=mirrored)
-
-
-@of_device
-def end_pipelines() -> ScenePipelines:
-    """The point and the object that a map sees."""
-    return _scene_pipelines("scene_end", "stand_in_end", "sky_end", MAP_FORMATS)
 
 
 def bind_scene(render_pass: wgpu.GPURenderPassEncoder, buffers: SceneBuffers, projection: ProjectionUniform) -> None:

@@ -154,12 +154,17 @@ fn stand_in_color_and_depth(fragment: SceneFragment) -> ColorAndDepth {
 }
 
 @fragment
-fn sky_color_and_depth(@builtin(position) pixel: vec4f) -> ColorAndDepth {
+fn far_sky_color_and_depth(@builtin(position) pixel: vec4f) -> ColorAndDepth {
     return ColorAndDepth(sky(pixel), vec4f(0.0));
 }
 
 @fragment
 fn scene_seen(fragment: SceneFragment) -> Seen {
+    return Seen(vec4f(fragment.position, f32(fragment.object)), seen_flags(0u, STATUS_DIRECT), 0.0);
+}
+
+@fragment
+fn stand_in_seen(fragment: SceneFragment) -> Seen {
     return Seen(vec4f(fragment.position, f32(fragment.object)), seen_flags(0u, STATUS_DIRECT), 0.0);
 }
 
@@ -196,21 +201,21 @@ fn sky_vertex(@builtin(vertex_index) index: u32) -> @builtin(position) vec4f {
 }
 
 @fragment
-fn sky_color_fragment(@builtin(position) pixel: vec4f) -> @location(0) vec4f {
+fn far_sky_color(@builtin(position) pixel: vec4f) -> @location(0) vec4f {
     return sky(pixel);
 }
 
 @fragment
-fn sky_seen(@builtin(position) pixel: vec4f) -> Seen {
+fn far_sky_seen(@builtin(position) pixel: vec4f) -> Seen {
     return Seen(vec4f(normalize(viewing_direction(pixel.xy)), 0.0), seen_flags(0u, STATUS_SKY), 0.0);
 }
 
 @fragment
-fn sky_depth(@builtin(position) pixel: vec4f) -> @location(0) vec4f {
+fn far_sky_depth(@builtin(position) pixel: vec4f) -> @location(0) vec4f {
     return vec4f(0.0);
 }
 
 @fragment
-fn sky_end(@builtin(position) pixel: vec4f) -> @location(0) vec4f {
+fn far_sky_end(@builtin(position) pixel: vec4f) -> @location(0) vec4f {
     return vec4f(normalize(viewing_direction(pixel.xy)), 0.0);
 }

@@ -89,13 +89,7 @@ def begin_pass(
     load = "clear" if clear and not keep_color else "load"
     depth_load = "clear" if clear and not keep_depth else "load"
     colors = [
-        {
-            "view": view,
-            "resolve_target": resolved,
-            "clear_value": (0, 0, 0, 0),
-            "load_op": load,
-            "store_op": "store",
-        }
+        {"view": view, "resolve_target": resolved, "clear_value": (0, 0, 0, 0), "load_op": load, "store_op": "store"}
         for view, resolved in zip(target.attachments, target.resolved, strict=True)
     ]
     return encoder.begin_render_pass(color_attachments=colors, depth_stencil_attachment=_depth(target, depth_load))

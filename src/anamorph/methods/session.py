@@ -12,15 +12,7 @@ import wgpu
 from anamorph.base.steps import drain, timed
 from anamorph.frame import Frame, Status
 from anamorph.gpu.device import get_device
-from anamorph.gpu.drawing import (
-    ScenePipelines,
-    bind_scene,
-    color_pipelines,
-    draw_depth,
-    draw_scene,
-    seen_pipelines,
-    submit,
-)
+from anamorph.gpu.drawing import ScenePipelines, bind_scene, draw_depth, draw_scene, scene_pipelines, submit
 from anamorph.gpu.targets import (
     COLOR_FORMAT,
     SEEN_FORMATS,
@@ -52,7 +44,7 @@ class Session:
         self._stage = stage
         self._drawing = drawing
         self._target = make_target(stage.view.size, (COLOR_FORMAT,), antialias)
-        self._pipelines = color_pipelines(antialias, sky_image=stage.buffers.sky_image)
+        self._pipelines = scene_pipelines("color", antialias, sky_image=stage.buffers.sky_image)
         self._phases: dict[str, float] = {}
 
     @property
@@ -157,7 +149,7 @@ class Session:
         target = make_target(stage.view.size, SEEN_FORMATS)
         encoder = get_device().create_command_encoder()
         self._drawing.prepare_seen(encoder)
-        self._draw(encoder, target, seen_pipelines(), self._drawing.draw_seen)
+        self._draw(encoder, target, scene_pipelines("seen"), self._drawing.draw_seen)
         submit(encoder)
         point, flags, deviation = (read_texture(texture) for texture in target.textures)
         # What nothing has drawn: even the sky leaves its status.

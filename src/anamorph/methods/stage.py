@@ -12,7 +12,7 @@ from anamorph.base.errors import AnamorphError
 from anamorph.frame import View
 from anamorph.gpu.buffers import SceneBuffers, pack_vertices, upload_scene, upload_vertices
 from anamorph.gpu.device import maximum_size
-from anamorph.gpu.drawing import ProjectionUniform, projection_uniform
+from anamorph.gpu.drawing import ProjectionUniform
 from anamorph.gpu.recording import Recorder
 from anamorph.projection import camera_projection
 from anamorph.raymesh import RayMesh
@@ -43,7 +43,7 @@ class Stage:
         self.pinhole = not isinstance(view.camera, RayMesh)
         self.geometry: Geometry = flatten(view.scene)
         self.buffers: SceneBuffers = upload_scene(view.scene, self.geometry)
-        self.projection: ProjectionUniform = projection_uniform()
+        self.projection: ProjectionUniform = ProjectionUniform()
 
     def look(self, camera: Camera | RayMesh, shift: tuple[float, float]) -> None:
         """Set the projection."""

@@ -54,22 +54,6 @@ def refract(incident: np.ndarray, normal: np.ndarray, eta: float | np.ndarray) -
     return np.where(total[..., None], reflect(incident, normal), direction), total
 
 
-def schlick(reflectance: float | np.ndarray, cosine: np.ndarray) -> np.ndarray:
-    """The reflected share by Schlick's approximation: `reflectance` at normal incidence, 1 at grazing.
-
-    Parameters
-    ----------
-    reflectance : float or (N,) array
-    cosine : (N,) array
-        Cosine between the ray and the normal, 0 to 1.
-
-    Returns
-    -------
-    (N,) float64
-    """
-    return reflectance + (1.0 - reflectance) * (1.0 - np.asarray(cosine, float)) ** 5
-
-
 def fresnel(eta: float | np.ndarray, cosine: np.ndarray) -> np.ndarray:
     """The share of unpolarised light that a clear interface reflects, by Fresnel's equations.
 

@@ -7,7 +7,7 @@ eye sees of a body: the side that it looks at, and the ray mesh of that side.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
@@ -15,7 +15,7 @@ import numpy as np
 from anamorph.base.errors import AnamorphError
 from anamorph.optics.dispersion import line_indices
 from anamorph.optics.reflection import Reflector, reflected_rays, reflector
-from anamorph.optics.refraction import Refractor, refracted_colors, refracted_rays, refractor
+from anamorph.optics.refraction import Refractor, refracted_rays, refractor
 from anamorph.raymesh import RayMesh
 from anamorph.scene.camera import Eye
 from anamorph.scene.connected import connected_mirrors
@@ -153,11 +153,11 @@ def rays_of(body: Body, eye: Eye, dispersion: bool = True) -> BodyRays:
     Without `dispersion`, all light goes where green light goes.
     """
     side = max(body.sides, key=lambda side: side.facing(eye)) if len(body.sides) > 1 else body.sides[0]
-    optics = side.optics
-    if dispersion and side.disperses and isinstance(optics, Refractor):
-        red, green, blue = refracted_colors(optics, eye)
-        return BodyRays(body, side, green, (red, blue))
-    return BodyRays(body, side, side_rays(side, eye))
+    rays = side_rays(side, eye)
+    if not (dispersion and side.disperses):
+        return BodyRays(body, side, rays)
+    others = side_rays(side, eye, 0), side_rays(side, eye, 2)
+    return BodyRays(body, side, rays, tuple(replace(each, picture=rays.picture) for each in others))
 
 
 def side_rays(side: Side, eye: Eye, line: Line = 1) -> RayMesh:

@@ -6,12 +6,11 @@ once more where it meets the other face's exact surface.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
 from anamorph.base.errors import AnamorphError
-from anamorph.optics.dispersion import line_indices
 from anamorph.optics.laws import fresnel, refract
 from anamorph.raymesh import RayMesh, RayStatus
 from anamorph.scene.camera import Eye
@@ -151,26 +150,3 @@ def refracted_rays(lens: Refractor, eye: Eye, index: float | None = None) -> Ray
 def _cosines(directions: np.ndarray, normals: np.ndarray) -> np.ndarray:
     """Cosines between unit directions and unit normals of either side, (N,)."""
     return np.minimum(np.abs(np.einsum("ij,ij->i", directions, normals)), 1.0)
-
-
-def refracted_colors(
-    lens: Refractor, eye: Eye, indices: tuple[float, float, float] | None = None
-) -> tuple[RayMesh, RayMesh, RayMesh]:
-    """The ray meshes for red, green and blue light, which have `picture` and `faces` in common.
-
-    Parameters
-    ----------
-    lens : Refractor
-    eye : Eye
-    indices : three floats, optional
-        Refractive indices; by default those of the C, d and F lines, from the glass's Abbe number.
-
-    Returns
-    -------
-    red, green, blue : RayMesh
-    """
-    red, green, blue = indices or line_indices(lens.index, lens.abbe)
-    middle = refracted_rays(lens, eye, green)
-    others = (refracted_rays(lens, eye, index) for index in (red, blue))
-    first, last = (replace(rays, picture=middle.picture) for rays in others)
-    return first, middle, last

@@ -14,14 +14,10 @@ from anamorph.base.errors import AnamorphError
 from anamorph.optics.laws import reflect, refract
 from anamorph.scene.camera import Camera
 from anamorph.scene.model import Glass, Material, Mesh, Scene
-from anamorph.scene.subdivision import split, subdivided
+from anamorph.scene.subdivision import split
 
-MOST_LEVELS = 4
 MOST_CUTS = 6
 MOST_TRIANGLES = 200_000
-
-PERCENTILE = 99.0
-"""The share of the pixels, in percent, by which a mesh is judged as a whole."""
 
 SMALLEST = 1.0
 """Triangles smaller than this are not cut, in pixels."""
@@ -78,22 +74,6 @@ def normal_errors(mesh: Mesh, camera: Camera, size: tuple[int, int]) -> tuple[np
         moved = np.linalg.norm(np.einsum("fji,fj->fi", left, astray) / turn, axis=1)
         errors[shown] = np.maximum(errors[shown], moved)
     return errors, areas
-
-
-def normal_error(mesh: Mesh, camera: Camera, size: tuple[int, int]) -> float:
-    """What 99% of a mesh's picture is better than, in pixels, by its `normal_errors`; 0 where it is not seen."""
-    errors, areas = normal_errors(mesh, camera, size)
-    order = np.argsort(errors)
-    covered = np.cumsum(areas[order])
-    return float(errors[order][np.searchsorted(covered, PERCENTILE / 100.0 * covered[-1])])
-
-
-def fine_enough(mesh: Mesh, camera: Camera, size: tuple[int, int], tolerance: float) -> int:
-    """How often, from 0 to 4, a mesh must be subdivided for its `normal_error` to be within a tolerance in pixels."""
-    level = 0
-    while level < MOST_LEVELS and normal_error(mesh, camera, size) > tolerance:
-        mesh, level = subdivided(mesh, 1), level + 1
-    return level
 
 
 def refined_scene(scene: Scene, size: tuple[int, int], tolerance: float) -> Scene:

@@ -12,27 +12,10 @@ PARALLEL = 1e-9
 """Below this mean squared sine of the angles between the rays, nothing in them tells how far the viewpoint is."""
 
 
-def normal_equations(
-    origins: np.ndarray, directions: np.ndarray, weights: np.ndarray | None = None
-) -> tuple[np.ndarray, np.ndarray]:
-    """Matrix (3, 3) and right side (3,) of the least-squares point of lines: mean(I - d d^T) x = mean((I - d d^T) o).
-
-    Parameters
-    ----------
-    origins, directions : (N, 3) float64
-        Points on the lines, and unit vectors along them.
-    weights : (N,) float64, optional
-        How much each line counts, in sum 1; all the same by default.
-    """
-    shares = np.full(len(origins), 1.0 / len(origins)) if weights is None else weights
-    along = np.einsum("ni,ni->n", directions, origins)
-    matrix = np.eye(3) - (shares[:, None] * directions).T @ directions
-    return matrix, shares @ (origins - along[:, None] * directions)
-
-
 def virtual_viewpoint(origins: np.ndarray, directions: np.ndarray, weights: np.ndarray | None = None) -> np.ndarray:
     """The homogeneous least-squares point (x, y, z, w) of lines, (4,) float64; w is 0 for parallel lines.
 
+    It solves mean(I - d d^T) x = mean((I - d d^T) o).
     Scaled so that the first three components are finite, and that w > 0 for a point behind the rays' origins.
 
     Parameters
@@ -43,7 +26,10 @@ def virtual_viewpoint(origins: np.ndarray, directions: np.ndarray, weights: np.n
         How much each line counts, in sum 1; all the same by default.
     """
     center = origins.mean(axis=0)
-    matrix, right_side = normal_equations(origins - center, directions, weights)
+    around = origins - center
+    shares = np.full(len(origins), 1.0 / len(origins)) if weights is None else weights
+    matrix = np.eye(3) - (shares[:, None] * directions).T @ directions
+    right_side = shares @ (around - np.einsum("ni,ni->n", directions, around)[:, None] * directions)
     values, vectors = np.linalg.eigh(matrix)
     # The eigenvector of the least eigenvalue runs along the rays: the one direction that may be undetermined.
     along = vectors[:, 0] * np.sign(vectors[:, 0] @ directions.sum(axis=0) or 1.0)
@@ -55,7 +41,6 @@ def virtual_viewpoint(origins: np.ndarray, directions: np.ndarray, weights: np.n
         if abs(pull) <= PARALLEL * np.linalg.norm(np.ptp(origins, axis=0)):
             return np.append(-along, 0.0)
         # The eigenvalue as the mean of squares that it is: of near-parallel rays it is all rounding.
-        shares = np.full(len(origins), 1.0 / len(origins)) if weights is None else weights
         spread = float(shares @ np.sum((directions @ across) ** 2, axis=1))
     scale = max(abs(pull), spread)
     weight, distance = spread / scale, pull / scale

@@ -185,13 +185,7 @@ class Caster:
         tree = embree.EmbreeTree(positions, self._faces, upkeep)
         return embree.EmbreeForest([tree], [np.arange(len(self._faces), dtype=np.int32)])
 
-    def cast(
-        self,
-        origins: ArrayLike,
-        directions: ArrayLike,
-        near: ArrayLike = 0.0,
-        coherent: bool = False,
-    ) -> Hits:
+    def cast(self, origins: ArrayLike, directions: ArrayLike, near: ArrayLike = 0.0, coherent: bool = False) -> Hits:
         """Find what each ray hits first.
 
         Parameters
@@ -220,15 +214,7 @@ class Caster:
         over_all_cores(work, len(origins), GRAIN)
         return hits
 
-    def fill(
-        self,
-        origins: np.ndarray,
-        directions: np.ndarray,
-        near: np.ndarray,
-        coherent: bool,
-        distance: np.ndarray,
-        triangle: np.ndarray,
-        barycentric: np.ndarray,
-    ) -> None:
-        """Cast float64 rays on the calling thread, into the arrays of a `Hits`."""
-        self._tree.cast(origins, directions, near, coherent, distance, triangle, barycentric)
+    @property
+    def fill(self) -> Callable[..., None]:
+        """What casts float64 rays on the calling thread, into the arrays of a `Hits`: see `EmbreeForest.cast`."""
+        return self._tree.cast

@@ -125,6 +125,11 @@ class EmbreeTree:
     faces : (F, 3) int32
     upkeep : Upkeep
         What `move` will do.
+
+    Attributes
+    ----------
+    address : int
+        Where Embree has it, as long as this is there.
     """
 
     def __init__(self, positions: np.ndarray, faces: np.ndarray, upkeep: Upkeep = Upkeep.NONE) -> None:
@@ -136,7 +141,7 @@ class EmbreeTree:
         self._vertices[:-1] = positions
         self._faces = np.ascontiguousarray(faces, np.uint32)
         scene = library.rtcNewScene(device)
-        self._scene = scene
+        self.address: int = scene
         self._release = weakref.finalize(self, library.rtcReleaseScene, scene)
         library.rtcSetSceneFlags(scene, _ROBUST if upkeep is Upkeep.NONE else _ROBUST | _DYNAMIC)
         scene_quality, geometry_quality = _QUALITIES[upkeep]
@@ -155,11 +160,6 @@ class EmbreeTree:
             library.rtcReleaseGeometry(geometry)
         self._commit()
 
-    @property
-    def address(self) -> int:
-        """Where Embree has it, as long as this is there."""
-        return self._scene
-
     def move(self, positions: np.ndarray) -> None:
         """Put the vertices at `positions` (V, 3), while no ray is on its way; not for a tree without upkeep."""
         assert self.upkeep is not Upkeep.NONE
@@ -172,7 +172,7 @@ class EmbreeTree:
 
     def _commit(self) -> None:
         library, device, _ = embree4()
-        library.rtcCommitScene(self._scene)
+        library.rtcCommitScene(self.address)
         if library.rtcGetDeviceError(device):
             raise EmbreeUnavailable("Embree could not build its tree")
 

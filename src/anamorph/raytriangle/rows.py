@@ -1,4 +1,4 @@
-"""Scaled ray triangles as rows of numbers, and the vectors that compiled loops make of them."""
+"""Scaled ray triangles as rows of numbers, which compiled loops read."""
 
 from __future__ import annotations
 
@@ -7,9 +7,8 @@ import math
 import numpy as np
 
 from anamorph.base.compiled import inlined
+from anamorph.base.vectors import Vector, along
 from anamorph.raytriangle.scaled import ScaledRays
-
-Vector = tuple[float, float, float]
 
 CENTER, REMAINDER, SIZE, PACE, SHIFT = 0, 3, 6, 7, 8
 """Where in a row each number, or the first of three or more, is; as the fields of `ScaledRays`."""
@@ -58,27 +57,9 @@ def three(row: np.ndarray, first: int) -> Vector:
 
 
 @inlined
-def dot(a: Vector, b: Vector) -> float:
-    """Scalar product."""
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-
-
-@inlined
-def cross(a: Vector, b: Vector) -> Vector:
-    """Vector product."""
-    return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
-
-
-@inlined
-def plus(a: Vector, t: float, b: Vector) -> Vector:
-    """a + t b."""
-    return a[0] + t * b[0], a[1] + t * b[1], a[2] + t * b[2]
-
-
-@inlined
 def normal(row: np.ndarray, t: float) -> Vector:
     """N(t)."""
-    return plus(three(row, PLANES), t, plus(three(row, PLANES + 3), t, three(row, PLANES + 6)))
+    return along(three(row, PLANES), t, along(three(row, PLANES + 3), t, three(row, PLANES + 6)))
 
 
 @inlined

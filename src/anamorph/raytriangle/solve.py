@@ -20,6 +20,7 @@ import math
 import numpy as np
 
 from anamorph.base.compiled import compiled
+from anamorph.base.vectors import Vector, along, cross, dot
 from anamorph.raytriangle.factors import SAME
 from anamorph.raytriangle.roots import cubic_roots, cubic_value
 from anamorph.raytriangle.rows import (
@@ -34,12 +35,8 @@ from anamorph.raytriangle.rows import (
     PLANES,
     SHIFT,
     START,
-    Vector,
-    cross,
-    dot,
     local,
     normal,
-    plus,
     three,
 )
 from anamorph.raytriangle.scaled import ROUNDING, SPREAD
@@ -102,14 +99,14 @@ def solve_point(row: np.ndarray, x: float, y: float, z: float, found: np.ndarray
 def _polished(row: np.ndarray, point: Vector, t: float) -> float:
     """A root after two of Newton's steps on the product (s - t m) . N(t), each taken where it comes nearer to zero."""
     mean, n1, n2 = three(row, MEAN), three(row, PLANES + 3), three(row, PLANES + 6)
-    upright, off = normal(row, t), plus(point, -t, mean)
+    upright, off = normal(row, t), along(point, -t, mean)
     value = dot(off, upright)
     for _ in range(2):
-        slope = dot(off, plus(n1, 2.0 * t, n2)) - dot(mean, upright)
+        slope = dot(off, along(n1, 2.0 * t, n2)) - dot(mean, upright)
         if slope == 0.0 or value == 0.0:
             return t
         step = t - value / slope
-        upright, off = normal(row, step), plus(point, -step, mean)
+        upright, off = normal(row, step), along(point, -step, mean)
         following = dot(off, upright)
         if not abs(following) < abs(value):
             return t
@@ -124,9 +121,9 @@ def ray_through(row: np.ndarray, point: Vector, t: float) -> tuple[float, float,
     Where many rays pass through the point, because the parametric triangle is a line or a point there, it is the one
     nearest to the triangle's middle. u and v are 0 where there is no ray.
     """
-    off = plus(point, -t, three(row, MEAN))
-    e = plus(three(row, START), t, three(row, CHANGE))
-    g = plus(three(row, START + 3), t, three(row, CHANGE + 3))
+    off = along(point, -t, three(row, MEAN))
+    e = along(three(row, START), t, three(row, CHANGE))
+    g = along(three(row, START + 3), t, three(row, CHANGE + 3))
     # What the two sums would be without cancelling is what their rounding errors are to be measured by.
     full_e = row[LENGTHS] + abs(t) * row[LENGTHS + 2]
     full_g = row[LENGTHS + 1] + abs(t) * row[LENGTHS + 3]
@@ -139,20 +136,20 @@ def ray_through(row: np.ndarray, point: Vector, t: float) -> tuple[float, float,
     first, second = 0.0, 0.0
     if not thin:
         first, second = dot(upright, cross(off, g)) / area, dot(upright, cross(e, off)) / area
-        left = plus(plus(off, -first, e), -second, g)
+        left = along(along(off, -first, e), -second, g)
         first += dot(upright, cross(left, g)) / area
         second += dot(upright, cross(e, left)) / area
     elif not together:
         # On a line, the least change of the weights that leads to the point; at a point, no change.
         first, second = dot(e, off) / extent, dot(g, off) / extent
-    left = plus(plus(off, -first, e), -second, g)
+    left = along(along(off, -first, e), -second, g)
     # What float64 loses in t and in the weights themselves.
     weights = abs(first) + abs(second)
     spans = full_e + full_g + row[EXTENT] + abs(row[SHIFT]) + abs(t)
     lost = weights * row[BLUR] + ROUNDING * ((1.0 + weights) * spans + math.sqrt(dot(point, point)))
     missed = math.sqrt(dot(left, left)) + lost
     u, v = 1.0 / 3.0 + _UP * first + _SIDE * second, 1.0 / 3.0 + _BACK * second
-    size = plus(point, row[SHIFT], three(row, MEAN))
+    size = along(point, row[SHIFT], three(row, MEAN))
     near = missed <= REACH * max(math.sqrt(dot(size, size)), row[EXTENT]) + row[BLUR]
     if not max(abs(1.0 - u - v), max(abs(u), abs(v))) <= OUTERMOST or (thin and not near):
         return 0.0, 0.0, NOWHERE

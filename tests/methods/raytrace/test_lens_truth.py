@@ -13,6 +13,7 @@ from anamorph.base.steps import drain
 from anamorph.frame import Status
 from anamorph.measure.errors import measure
 from anamorph.methods.tracing import paths
+from anamorph.methods.tracing.launch import eye_rays
 from anamorph.methods.tracing.paths import PathTracer
 from anamorph.methods.tracing.vertex_rays import vertex_rays
 from anamorph.optics.ray_meshes import bodies_of
@@ -47,7 +48,9 @@ def test_the_ray_is_the_ray_meshs_between_vertices():
     scene = replace(scene, meshes=tuple(meshes))
     geometry, eye = flatten(scene), scene.camera.eye(SIZE)
     lens = scene_glass(scene).lenses[0]
-    records = drain(PathTracer(scene, geometry, Caster(geometry), truth="raymesh").tracing(scene.camera, SIZE))
+    records = drain(
+        PathTracer(scene, geometry, Caster(geometry), truth="raymesh").tracing(eye_rays(scene.camera, SIZE))
+    )
     words = records.view(np.uint32)
     status, bounces = (words[:, 7] >> 16) & 0xFF, words[:, 7] >> 24
     through = (
@@ -103,5 +106,5 @@ def test_light_that_cannot_leave_by_the_far_face_goes_on_as_at_the_surfaces(monk
         return rays._replace(leaves=np.zeros_like(rays.leaves))
 
     monkeypatch.setattr(paths, "vertex_rays", no_ray_leaves)
-    expected, found = (drain(tracer.tracing(scene.camera, SIZE)).view(np.uint32) for tracer in (truth, mesh))
+    expected, found = (drain(tracer.tracing(eye_rays(scene.camera, SIZE))).view(np.uint32) for tracer in (truth, mesh))
     assert (found == expected).all()

@@ -18,6 +18,7 @@ from anamorph.frame import Status, View
 from anamorph.measure.errors import counted, measure
 from anamorph.methods import METHODS, Specification
 from anamorph.methods.raytrace.pixel_rays import pixel_rays
+from anamorph.methods.tracing.launch import GivenRays, eye_rays
 from anamorph.methods.tracing.paths import PathTracer
 from anamorph.optics.reflection import reflected_rays, reflector
 from anamorph.raymesh import RayMesh
@@ -302,8 +303,8 @@ def test_given_rays_are_traced_like_the_eyes():
     x, y = np.meshgrid(np.arange(80) + 0.5, np.arange(60) + 0.5)
     looks = CAMERA.directions(np.stack([x.ravel(), y.ravel()], axis=-1), SIZE)
     looks[7] = 0.0
-    records = drain(tracer.tracing_rays(np.tile(CAMERA.position, (4800, 1)), 3.0 * looks))
-    expected = drain(tracer.tracing(CAMERA, SIZE))
+    records = drain(tracer.tracing(GivenRays(np.tile(CAMERA.position, (4800, 1)), 3.0 * looks)))
+    expected = drain(tracer.tracing(eye_rays(CAMERA, SIZE)))
     rest = np.arange(4800) != 7
     assert (records.view(np.uint32)[rest][:, [3, 7]] == expected.view(np.uint32)[rest][:, [3, 7]]).mean() > 0.999
     words = records[7].view(np.uint32)

@@ -22,6 +22,7 @@ from anamorph.lenses.prescription import Prescription
 from anamorph.methods import Specification
 from anamorph.methods.stage import Stage
 from anamorph.methods.tracing import tiles
+from anamorph.methods.tracing.launch import EyeRays, eye_rays
 from anamorph.methods.tracing.paths import PathTracer, specular_rectangle
 from anamorph.optics.dispersion import line_indices
 from anamorph.projection import camera_projection
@@ -119,9 +120,9 @@ def test_in_the_picture_red_and_blue_are_apart_by_prism_over_abbe_number(name):
 def test_last_rays_of_red_and_blue_are_apart_by_prism_over_abbe_number(name):
     prescription, edge = LENSES[name]
     scene = before_a_wall(prescription, edge)
-    tracer, corners = tracer_of(scene), np.array([[0, 0]])
-    records = drain(tracer.tracing(scene.camera, SMALL))
-    red, blue = drain(tracer.tracing_colors(scene.camera, SMALL, corners, SMALL, (0.0, 0.0), records)).astype(float)
+    tracer = tracer_of(scene)
+    records = drain(tracer.tracing(eye_rays(scene.camera, SMALL)))
+    red, blue = drain(tracer.tracing_colors(eye_rays(scene.camera, SMALL), records)).astype(float)
     words = records.view(np.uint32)
     through = (words[words[:, 14] > 0][:, 7] >> 24) == 2
     assert through.sum() > 2000
@@ -174,9 +175,9 @@ def test_what_disperses_is_known_from_every_glass_on_the_way():
 def test_where_nothing_disperses_nothing_is_traced_again(glass):
     scene = glass_changed(lens_in_a_mirror(), index=glass.index, abbe=glass.abbe)
     tracer = tracer_of(scene)
-    records = drain(tracer.tracing(scene.camera, SIZE))
+    records = drain(tracer.tracing(eye_rays(scene.camera, SIZE)))
     assert not tracer.disperses and not records.view(np.uint32)[:, 14].any()
-    colors = drain(tracer.tracing_colors(scene.camera, SIZE, np.array([[0, 0]]), SIZE, (0.0, 0.0), records))
+    colors = drain(tracer.tracing_colors(eye_rays(scene.camera, SIZE), records))
     assert colors.shape == (2, 0, 16)
     frame, plain = drawn(scene, "raytrace"), drawn(scene, "raytrace:dispersion=false")
     assert (frame.color == plain.color).all()
@@ -185,16 +186,17 @@ def test_where_nothing_disperses_nothing_is_traced_again(glass):
 def test_tiles_have_the_colours_of_the_whole_picture():
     scene, shift = lens_in_a_mirror(), (0.25, -0.125)
     tracer = tracer_of(scene)
-    whole = drain(tracer.tracing(scene.camera, SIZE, shift=shift))
+    whole = drain(tracer.tracing(eye_rays(scene.camera, SIZE, shift=shift)))
     met = whole.view(np.uint32)[:, 14].reshape(SIZE[::-1]).astype(bool)
-    one = drain(tracer.tracing_colors(scene.camera, SIZE, np.array([[0, 0]]), SIZE, shift, whole))
+    one = drain(tracer.tracing_colors(eye_rays(scene.camera, SIZE, shift=shift), whole))
     numbers = whole.view(np.uint32)[:, 14].reshape(SIZE[::-1])
     assert (numbers[met] == np.arange(1, met.sum() + 1)).all() and not numbers[~met].any()
     assert 200 < met.sum() < 0.9 * met.size and one.shape == (2, met.sum(), 16)
     corners = np.array([[x, y] for y in range(116, -1, -4) for x in range(0, 160, 8)])
-    records = drain(tracer.tracing_tiles(scene.camera, SIZE, corners, (8, 4), shift))
+    tiled = EyeRays(scene.camera, SIZE, corners, (8, 4), shift)
+    records = drain(tracer.tracing(tiled))
     assert set(records.view(np.uint32)[:, 14]) == {0, 1}
-    colors = drain(tracer.tracing_colors(scene.camera, SIZE, corners, (8, 4), shift, records))
+    colors = drain(tracer.tracing_colors(tiled, records))
     own = records.view(np.uint32)[:, 14].reshape(-1, 4, 8)
     for (x, y), tile in zip(corners, own, strict=True):
         for row, column in np.argwhere(tile):
@@ -204,9 +206,9 @@ def test_tiles_have_the_colours_of_the_whole_picture():
 
 def test_no_tiles_have_no_colours():
     scene = lens_in_a_mirror()
-    tracer, none = tracer_of(scene), np.zeros((0, 2), int)
-    records = drain(tracer.tracing_tiles(scene.camera, SIZE, none, (4, 4)))
-    assert drain(tracer.tracing_colors(scene.camera, SIZE, none, (4, 4), (0.0, 0.0), records)).shape == (2, 0, 16)
+    tracer, none = tracer_of(scene), EyeRays(scene.camera, SIZE, np.zeros((0, 2), int), (4, 4))
+    records = drain(tracer.tracing(none))
+    assert drain(tracer.tracing_colors(none, records)).shape == (2, 0, 16)
 
 
 def test_several_bands_give_the_same_frame(monkeypatch):
@@ -242,8 +244,8 @@ def test_tiles_written_without_colours_show_greens_way_in_all_of_them():
     stage, corner = Stage(View(scene, scene.camera, SIZE)), np.array([[0, 0]])
     stage.projection.write(camera_projection(scene.camera, SIZE), SIZE)
     tracer = PathTracer(scene, stage.geometry, Caster(stage.geometry))
-    records = drain(tracer.tracing(scene.camera, SIZE))
-    colors = drain(tracer.tracing_colors(scene.camera, SIZE, corner, SIZE, (0.0, 0.0), records))
+    records = drain(tracer.tracing(eye_rays(scene.camera, SIZE)))
+    colors = drain(tracer.tracing_colors(eye_rays(scene.camera, SIZE), records))
     written = tiles.Tiles(stage.buffers)
     pictures = []
     for given in (None, colors, None):
@@ -263,8 +265,8 @@ def test_where_one_colour_is_totally_reflected_and_another_is_not():
     """At the end of a glass block the critical angle of blue is the smaller: a blue-less band, with finite colours."""
     scene = lens_in_a_mirror()
     tracer = tracer_of(scene)
-    records = drain(tracer.tracing(scene.camera, SIZE))
-    red, blue = drain(tracer.tracing_colors(scene.camera, SIZE, np.array([[0, 0]]), SIZE, (0.0, 0.0), records))
+    records = drain(tracer.tracing(eye_rays(scene.camera, SIZE)))
+    red, blue = drain(tracer.tracing_colors(eye_rays(scene.camera, SIZE), records))
     status = [(colors.view(np.uint32)[:, 7] >> 16) & 0xFF for colors in (red, blue)]
     total = [each == Status.TOTAL_REFLECTION for each in status]
     assert (total[1] & ~total[0]).any()

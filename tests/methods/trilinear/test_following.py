@@ -205,7 +205,6 @@ def test_following_rays_of_any_pair(kind, seed):
     found = following_rays(beams, plan, chosen, corners, normals)
     for name in ("picture", "origins", "directions", "domain"):
         assert np.isfinite(getattr(found, name)).all(), name
-    assert (found.pair == chosen).all()
     assert (found.picture[..., 2] > 0.0).all()
     assert (np.linalg.norm(found.directions, axis=-1) > 0.0).all()
     for row in chosen:

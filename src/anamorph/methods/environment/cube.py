@@ -11,14 +11,7 @@ import wgpu
 from anamorph.gpu.bindings import SAMPLER, STORAGE, bind, layout_of, texture
 from anamorph.gpu.buffers import SceneBuffers, storage_buffer
 from anamorph.gpu.device import of_device
-from anamorph.gpu.drawing import (
-    ScenePipelines,
-    color_pipelines,
-    draw_depth,
-    draw_scene,
-    map_pipelines,
-    projection_uniform,
-)
+from anamorph.gpu.drawing import ProjectionUniform, ScenePipelines, draw_depth, draw_scene, scene_pipelines
 from anamorph.gpu.targets import (
     COLOR_FORMAT,
     DEPTH_FORMAT,
@@ -86,7 +79,7 @@ class CubeMap:
         color, self._buffer = make_texture(square, COLOR_FORMAT, layers=6), make_texture(square, DEPTH_FORMAT)
         self.colors = self._targets(color)
         projections = cube_projections(center, near)
-        self._projections = [projection_uniform() for _ in projections]
+        self._projections = [ProjectionUniform() for _ in projections]
         for uniform, projection in zip(self._projections, projections, strict=True):
             uniform.write(projection, square)
         uniforms = np.concatenate([projection.uniform(square) for projection in projections])
@@ -112,14 +105,14 @@ class CubeMap:
         faces: Sequence[int] = range(6),
     ) -> None:
         """Draw the colours of all meshes but the absent ones, on some faces."""
-        pipelines = color_pipelines(mirrored=True, sky_image=buffers.sky_image)
+        pipelines = scene_pipelines("color", mirrored=True, sky_image=buffers.sky_image)
         for face in faces:
             self._draw(encoder, face, self.colors[face], pipelines, buffers, absent)
 
     def draw_depth(self, encoder: wgpu.GPUCommandEncoder, buffers: SceneBuffers, absent: Sequence[int]) -> None:
         """Draw depths and object numbers likewise, for the seen buffers."""
         for face, depth in enumerate(self.depths):
-            self._draw(encoder, face, depth, map_pipelines(mirrored=True), buffers, absent)
+            self._draw(encoder, face, depth, scene_pipelines("depth", mirrored=True), buffers, absent)
 
     def _targets(self, texture: wgpu.GPUTexture) -> list[Target]:
         size, depth = texture.size[:2], self._buffer.create_view()

@@ -12,18 +12,9 @@ import wgpu
 
 from anamorph.gpu.buffers import SceneBuffers
 from anamorph.gpu.device import get_device, maximum_size
-from anamorph.gpu.drawing import (
-    ProjectionUniform,
-    color_and_depth_pipelines,
-    color_pipelines,
-    draw_depth,
-    draw_scene,
-    end_pipelines,
-    map_pipelines,
-    projection_uniform,
-)
+from anamorph.gpu.drawing import OUTPUTS, ProjectionUniform, draw_depth, draw_scene, scene_pipelines
 from anamorph.gpu.targets import COLOR_FORMAT, MAP_FORMATS, begin_depth_pass, begin_pass, make_target, make_texture
-from anamorph.methods.pervertex.halving import Halving, halvings
+from anamorph.methods.pervertex.halving import halve, halvings
 from anamorph.projection import Projection
 
 SPARE = 1.15
@@ -51,10 +42,10 @@ Bound = Callable[[int, wgpu.GPURenderPassEncoder], None]
 class MapKind(Enum):
     """What of its maps an atlas draws: colours, depths, or both at once; or where each texel's path ends."""
 
-    COLOR = 0
-    DEPTH = 1
-    BOTH = 2
-    END = 3
+    COLOR = "color"
+    DEPTH = "depth"
+    BOTH = "color_and_depth"
+    END = "end"
 
 
 @dataclass(frozen=True, eq=False)
@@ -146,7 +137,7 @@ class Atlas:
         self.corners, needed = arrange(sizes, widest)
         self.views = [replace(view, size=size) for view, size in zip(views, sizes, strict=True)]
         if len(self._uniforms) < len(views):
-            self._uniforms += [projection_uniform() for _ in range(2 * len(views) - len(self._uniforms))]
+            self._uniforms += [ProjectionUniform() for _ in range(2 * len(views) - len(self._uniforms))]
         self.projections = []
         for view, corner, uniform in zip(self.views, self.corners, self._uniforms, strict=False):
             self.projections.append(view.projection.uniform(view.size, corner))
@@ -163,14 +154,17 @@ class Atlas:
         square = (width, height)
         self.color = make_texture(square, COLOR_FORMAT, levels=self._levels)
         self.depth = make_texture(square, MAP_FORMATS[0])
-        self._colors = make_target(square, (COLOR_FORMAT,), self._antialias, (self.color,))
-        self._depths = make_target(square, MAP_FORMATS, textures=(self.depth,))
-        self._both = make_target(
-            square, (COLOR_FORMAT, *MAP_FORMATS), textures=(self.color, self.depth), depth=self._depths.depth
-        )
         self.end = make_texture(square if self._has_ends else (1, 1), MAP_FORMATS[0])
-        self._ends = make_target(square, MAP_FORMATS, textures=(self.end,), depth=self._depths.depth)
-        self._halvings: tuple[Halving, ...] = halvings(self.color, self._levels)
+        depths = make_target(square, MAP_FORMATS, textures=(self.depth,))
+        self._targets = {
+            MapKind.COLOR: make_target(square, (COLOR_FORMAT,), self._antialias, (self.color,)),
+            MapKind.DEPTH: depths,
+            MapKind.BOTH: make_target(
+                square, OUTPUTS["color_and_depth"], textures=(self.color, self.depth), depth=depths.depth
+            ),
+            MapKind.END: make_target(square, MAP_FORMATS, textures=(self.end,), depth=depths.depth),
+        }
+        self._halvings = halvings(self.color, self._levels)
 
     def draw(
         self, encoder: wgpu.GPUCommandEncoder, buffers: SceneBuffers, kind: MapKind, bound: Bound | None = None
@@ -178,13 +172,8 @@ class Atlas:
         """Draw the maps: what of them, `kind` says, and where, `bound` may."""
         if kind == MapKind.END and not self._has_ends:
             return
-        targets = {
-            MapKind.COLOR: (self._colors, color_pipelines(self._antialias, sky_image=buffers.sky_image)),
-            MapKind.DEPTH: (self._depths, map_pipelines()),
-            MapKind.BOTH: (self._both, color_and_depth_pipelines(buffers.sky_image)),
-            MapKind.END: (self._ends, end_pipelines()),
-        }
-        target, pipelines = targets[kind]
+        samples = self._antialias if kind == MapKind.COLOR else 1
+        target, pipelines = self._targets[kind], scene_pipelines(kind.value, samples, sky_image=buffers.sky_image)
         depth_pass = begin_depth_pass(encoder, target)
         for number, (view, uniform) in enumerate(self._within(depth_pass)):
             extra = None if bound is None else partial(bound, number)
@@ -204,8 +193,7 @@ class Atlas:
             )
         render_pass.end()
         if kind in (MapKind.COLOR, MapKind.BOTH):
-            for halving in self._halvings:
-                halving.draw(encoder)
+            halve(encoder, self._halvings)
 
     def _within(self, render_pass: wgpu.GPURenderPassEncoder) -> Iterator[tuple[MapView, ProjectionUniform]]:
         """Each map with its projection, while the pass draws into its rectangle."""

@@ -9,14 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from anamorph.methods.pervertex.bundle import (
-    areas_of,
-    crossings,
-    find_hits,
-    part_of,
-    past_frame,
-    pixel_weights,
-)
+from anamorph.methods.pervertex.bundle import areas_of, crossings, find_hits, part_of, past_frame, pixel_weights
 from anamorph.methods.pervertex.mounting import size_of
 from anamorph.methods.pervertex.options import Options
 from anamorph.methods.pervertex.surroundings import Surroundings

@@ -104,12 +104,7 @@ class Level:
         self._triangle_count = self._data_count = 0
 
     def add(
-        self,
-        body_rays: BodyRays,
-        faces: np.ndarray,
-        plan: MapPlan | None,
-        views: range,
-        bounces: int | None = None,
+        self, body_rays: BodyRays, faces: np.ndarray, plan: MapPlan | None, views: range, bounces: int | None = None
     ) -> PatchDraw:
         """Add a patch: the `faces` of a body, which show the maps of the numbers `views`; or, without a plan, none.
 

@@ -10,6 +10,7 @@ from anamorph.gpu.device import get_device
 from anamorph.gpu.drawing import ProjectionUniform, bind_scene, submit
 from anamorph.gpu.targets import Target, begin_pass
 from anamorph.methods.stage import Stage
+from anamorph.methods.tracing.launch import EyeRays
 from anamorph.methods.tracing.paths import PathTracer
 from anamorph.methods.tracing.tiles import Tiles, tiles_at_once
 from anamorph.rays.caster import Caster
@@ -51,8 +52,9 @@ class Mender:
             if self._used == len(self._batches):
                 self._batches.append(Tiles(self._stage.buffers))
             part = corners[first : first + at_once]
-            records = drain(self._tracer.tracing_tiles(camera, self._stage.view.size, part, TILE, shift))
-            colors = drain(self._tracer.tracing_colors(camera, self._stage.view.size, part, TILE, shift, records))
+            rays = EyeRays(camera, self._stage.view.size, part, TILE, shift)
+            records = drain(self._tracer.tracing(rays))
+            colors = drain(self._tracer.tracing_colors(rays, records))
             self._batches[self._used].write(part, TILE, records, colors)
             self._used += 1
 

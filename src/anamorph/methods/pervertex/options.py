@@ -8,8 +8,6 @@ from anamorph.methods.options import option
 
 MAXIMUM_BOUNCES = 8
 
-OVERLAYS = ("none", "mesh", "inconsistency")
-
 
 @dataclass(frozen=True)
 class Options:
@@ -59,7 +57,7 @@ class Options:
     refine: int = option(0, low=0, high=16)
     start: str = option("vertices", choices=("vertices", "direction"))
     tolerance: float = option(0.0, low=0.0, unit="pixels")
-    overlay: str = option("none", choices=OVERLAYS)
+    overlay: str = option("none", choices=("none", "mesh", "inconsistency"))
 
     @property
     def casts(self) -> bool:

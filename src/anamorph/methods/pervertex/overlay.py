@@ -6,6 +6,8 @@ Kakimoto et al. 2007, Figure 1.
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import wgpu
 
@@ -30,23 +32,14 @@ class Overlay:
         self._balls = storage_buffer(np.zeros((len(positions), 7), np.float32), wgpu.BufferUsage.VERTEX)
         self._ends = storage_buffer(ends, wgpu.BufferUsage.VERTEX)
         module = shader_module("methods/pervertex/overlay.wgsl")
-        self._ball_pipeline = make_pipeline(
-            module,
-            "ball_vertex",
-            "ball_color",
-            (COLOR_FORMAT,),
-            buffers=(_buffer(BALL_BYTES, "instance", ("float32x4", 0), ("float32x3", 16)),),
-            samples=samples,
-        )
-        self._wire_pipeline = make_pipeline(
-            module,
-            "wire_vertex",
-            "wire_color",
-            (COLOR_FORMAT,),
-            buffers=(_buffer(12, "vertex", ("float32x3", 0)),),
-            samples=samples,
-            topology="line-list",
-        )
+
+        def pipeline(kind: str, buffer: dict[str, Any], topology: str) -> wgpu.GPURenderPipeline:
+            names, formats = (f"{kind}_vertex", f"{kind}_color"), (COLOR_FORMAT,)
+            return make_pipeline(module, *names, formats, buffers=(buffer,), samples=samples, topology=topology)
+
+        balls = _buffer(BALL_BYTES, "instance", ("float32x4", 0), ("float32x3", 16))
+        self._ball_pipeline = pipeline("ball", balls, "triangle-list")
+        self._wire_pipeline = pipeline("wire", _buffer(12, "vertex", ("float32x3", 0)), "line-list")
 
     def place(self, centers: np.ndarray, radii: np.ndarray, colors: np.ndarray) -> None:
         """Put a ball at each of `centers` (V, 3), of `radii` (V,) metres and of `colors` (V, 3); radius 0 hides it."""
@@ -65,7 +58,7 @@ class Overlay:
         render_pass.draw(self._wire_count)
 
 
-def _buffer(stride: int, step: str, *attributes: tuple[str, int]) -> dict:
+def _buffer(stride: int, step: str, *attributes: tuple[str, int]) -> dict[str, Any]:
     """A vertex buffer's layout, from the form and the offset of each attribute."""
     return {
         "array_stride": stride,

@@ -19,9 +19,9 @@ import wgpu
 from anamorph.base.errors import AnamorphError
 from anamorph.frame import View
 from anamorph.gpu.device import get_device
-from anamorph.gpu.drawing import bind_scene, make_pipeline, submit
+from anamorph.gpu.drawing import OUTPUTS, bind_scene, make_pipeline, submit
 from anamorph.gpu.shaders import shader_module
-from anamorph.gpu.targets import COLOR_FORMAT, MAP_FORMATS, SEEN_FORMATS, Target, begin_pass, make_texture, read_texture
+from anamorph.gpu.targets import COLOR_FORMAT, Target, begin_pass, make_texture, read_texture
 from anamorph.methods.options import check_options
 from anamorph.methods.pervertex.atlas import MapKind
 from anamorph.methods.pervertex.level import Level, level_layout
@@ -47,21 +47,11 @@ RAY_SHARE = 0.1
 ERROR_FORMAT = "r32float"
 
 
-OUTPUTS: dict[str, tuple[str, ...]] = {
-    "color": (COLOR_FORMAT,),
-    "color_and_depth": (COLOR_FORMAT, *MAP_FORMATS),
-    "depth": MAP_FORMATS,
-    "end": MAP_FORMATS,
-    "seen": SEEN_FORMATS,
-    "error": (ERROR_FORMAT,),
-    "inconsistency": (COLOR_FORMAT,),
-}
+TARGETS = {**OUTPUTS, "error": (ERROR_FORMAT,), "inconsistency": (COLOR_FORMAT,)}
 """What the shaders' fragment functions are called after, and the targets that they write."""
 
 PICTURED = ("color", "inconsistency")
 """What is drawn into the picture itself."""
-
-IN_MAPS = {MapKind.COLOR: "color", MapKind.DEPTH: "depth", MapKind.BOTH: "color_and_depth", MapKind.END: "end"}
 
 
 class PerVertexDrawing(SpecularDrawing):
@@ -101,7 +91,7 @@ class PerVertexDrawing(SpecularDrawing):
                 module,
                 f"{kind}_vertex",
                 f"{kind}_{output}",
-                OUTPUTS[output],
+                TARGETS[output],
                 buffers=(),
                 groups=(layout,),
                 samples=options.antialias if output in PICTURED else 1,
@@ -248,7 +238,7 @@ def _draw(pipeline: Pipelines, picture: Picture, output: str, render_pass: wgpu.
 
 
 def _draw_in_map(pipeline: Pipelines, picture: Picture, kind: MapKind, render_pass: wgpu.GPURenderPassEncoder) -> None:
-    _draw(pipeline, picture, IN_MAPS[kind], render_pass)
+    _draw(pipeline, picture, kind.value, render_pass)
 
 
 def open_session(view: View, options: Options) -> Session:

@@ -84,13 +84,8 @@ class Pictures:
         options: Options,
         draw: Callable[[Picture, MapKind, wgpu.GPURenderPassEncoder], None],
     ) -> None:
-        self._surroundings, self._bodies, self._levels, self._options, self._draw = (
-            surroundings,
-            bodies,
-            levels,
-            options,
-            draw,
-        )
+        self._surroundings, self._bodies = surroundings, bodies
+        self._levels, self._options, self._draw = levels, options, draw
         self._eye: tuple[float, ...] = ()
         self._rays: list[BodyRays] = []
         self._planned_texels = self._used_texels = 0.0

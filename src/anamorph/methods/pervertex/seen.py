@@ -47,11 +47,7 @@ class Seen:
 
 
 def seen_bodies(
-    bodies: Sequence[Body],
-    surroundings: Surroundings,
-    camera: Camera,
-    size: tuple[int, int],
-    options: Options,
+    bodies: Sequence[Body], surroundings: Surroundings, camera: Camera, size: tuple[int, int], options: Options
 ) -> list[Seen]:
     """The mirrors and lenses that `camera` sees in an image of `size` (width, height), with the maps that show them."""
     eye, position = camera.eye(size), np.asarray(camera.position, float)

@@ -7,7 +7,7 @@ the other methods are held against, and the competitor that they must be faster 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Generator, Mapping
+from collections.abc import Generator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -23,15 +23,13 @@ from anamorph.methods.session import Session
 from anamorph.methods.specular_drawing import SpecularDrawing
 from anamorph.methods.stage import Stage
 from anamorph.methods.tracing.bounces import WORDS
-from anamorph.methods.tracing.paths import PathTracer, Rectangle, Tracing, specular_rectangle
+from anamorph.methods.tracing.launch import FirstRays, GivenRays, Rectangle, eye_rays
+from anamorph.methods.tracing.paths import PathTracer, specular_rectangle
 from anamorph.methods.tracing.tiles import Tiles, tiles_at_once
 from anamorph.raymesh import RayMesh
 from anamorph.rays.caster import Caster
 from anamorph.scene.camera import Camera
 from anamorph.scene.geometry import Geometry
-
-Colors = Callable[[np.ndarray, tuple[int, int], slice, np.ndarray], Tracing]
-"""Traces red and blue light for a band of the picture: its corner (1, 2), its size, the rows of its records, these."""
 
 
 @dataclass(frozen=True)
@@ -84,38 +82,23 @@ class TracedDrawing(SpecularDrawing):
         """Trace the pixels around the specular surfaces, or all of a ray mesh's, and upload where their paths end."""
         looked, self._looked = self._looked, (camera, shift)
         self._used, self._records = 0, None
+        size = self.stage.view.size
+        rectangle: Rectangle | None
         if isinstance(camera, RayMesh):
-            stays = looked is not None and looked[0] is camera and looked[1] == shift
-            yield from self._trace_mesh(camera, shift, stays)
+            rectangle = 0, 0, *size
+            if self._first is None or looked is None or looked[0] is not camera or looked[1] != shift:
+                self._first = pixel_rays(camera, size, shift, self._first)
+            first: FirstRays = GivenRays(*self._first)
         else:
-            yield from self._trace_eye(camera, shift)
+            rectangle = specular_rectangle(self.stage.view.scene, camera, size)
+            if rectangle is None:
+                return encoder
+            first = eye_rays(camera, size, rectangle, shift)
+        records = yield from self._tracer.tracing(first, self._room)
+        yield from self._write(rectangle, first, records)
         return encoder
 
-    def _trace_eye(self, camera: Camera, shift: tuple[float, float]) -> Generator[None, None, None]:
-        size = self.stage.view.size
-        rectangle = specular_rectangle(self.stage.view.scene, camera, size)
-        if rectangle is None:
-            return
-
-        def colors(corner: np.ndarray, tile: tuple[int, int], rows: slice, part: np.ndarray) -> Tracing:
-            return self._tracer.tracing_colors(camera, size, corner, tile, shift, part)
-
-        records = yield from self._tracer.tracing(camera, size, rectangle, shift, self._room)
-        yield from self._write(rectangle, records, colors)
-
-    def _trace_mesh(self, mesh: RayMesh, shift: tuple[float, float], stays: bool) -> Generator[None, None, None]:
-        size = self.stage.view.size
-        if self._first is None or not stays:
-            self._first = pixel_rays(mesh, size, shift, self._first)
-        origins, directions = self._first
-
-        def colors(corner: np.ndarray, tile: tuple[int, int], rows: slice, part: np.ndarray) -> Tracing:
-            return self._tracer.tracing_ray_colors(origins[rows], directions[rows], part)
-
-        records = yield from self._tracer.tracing_rays(origins, directions, self._room)
-        yield from self._write((0, 0, *size), records, colors)
-
-    def _write(self, rectangle: Rectangle, records: np.ndarray, colors: Colors) -> Generator[None, None, None]:
+    def _write(self, rectangle: Rectangle, first: FirstRays, records: np.ndarray) -> Generator[None, None, None]:
         """Upload the records of a rectangle, in bands of as many rows as a buffer holds."""
         self._records, self._room = (rectangle, records), records
         x0, y0, x1, y1 = rectangle
@@ -126,9 +109,9 @@ class TracedDrawing(SpecularDrawing):
             if self._used == len(self._bands):
                 self._bands.append(Tiles(self.stage.buffers))
             own = slice((top - y0) * width, (bottom - y0) * width)
-            corner, tile = np.array([[x0, top]]), (width, bottom - top)
-            lines = (yield from colors(corner, tile, own, records[own])) if self._dispersion else None
-            self._bands[self._used].write(corner, tile, records[own], lines)
+            corner, tile, part = np.array([[x0, top]]), (width, bottom - top), records[own]
+            colors = (yield from self._tracer.tracing_colors(first, part, own.start)) if self._dispersion else None
+            self._bands[self._used].write(corner, tile, part, colors)
             self._used += 1
 
     def draw_color(self, render_pass: wgpu.GPURenderPassEncoder) -> None:

@@ -297,14 +297,7 @@ def _outside(world: World, face: np.ndarray, direction: Vector) -> tuple[bool, f
 
 
 @compiled
-def advance(
-    world: World,
-    paths: Paths,
-    count: int,
-    rays: VertexRays,
-    records: np.ndarray,
-    words: np.ndarray,
-) -> int:
+def advance(world: World, paths: Paths, count: int, rays: VertexRays, records: np.ndarray, words: np.ndarray) -> int:
     """End or bend the first `count` paths, whose rays have been cast.
 
     With `rays` a mirror sends on the interpolated ray of a ray mesh, and the near face of a lens that which leaves the

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 
@@ -12,6 +14,8 @@ from anamorph.frame import Status
 from anamorph.methods.tracing.bounces import WORDS, Paths
 from anamorph.scene.camera import Camera
 
+Rectangle = tuple[int, int, int, int]
+
 Launch = Callable[[Paths, int, int, np.ndarray, np.ndarray], int]
 """Puts `count` paths, from number `first`, on their way, and says how many have begun; the last two are their records
 as float32 and as uint32, for those that have not."""
@@ -19,27 +23,87 @@ as float32 and as uint32, for those that have not."""
 _OUTSIDE = int(Status.OUTSIDE)
 
 
-def from_eye(
-    camera: Camera, size: tuple[int, int], corners: np.ndarray, tile: tuple[int, int], shift: tuple[float, float]
-) -> Launch:
-    """The eye's rays through the pixels of tiles."""
-    eye, axes = np.asarray(camera.position, float), camera.axes()
-    scale = 2.0 * np.tan(np.radians(camera.field_of_view) / 2.0) / size[1]
-    extent, centers = np.asarray(size, float), corners + 0.5 + np.asarray(shift)
+@dataclass(frozen=True, eq=False)
+class EyeRays:
+    """An eye's rays through the pixels of tiles of a picture, tile by tile, each row by row.
 
-    def launch(paths: Paths, first: int, count: int, records: np.ndarray, words: np.ndarray) -> int:
-        return _start(paths, eye, axes, scale, extent, centers, *tile, first, count)
+    Parameters
+    ----------
+    camera : Camera
+    size : (width, height)
+        Of the whole picture.
+    corners : (T, 2) int
+        The first column and row of each tile.
+    tile : (columns, rows)
+        The size of all tiles.
+    shift : (right, down)
+        Moves the rays from the pixels' centres, in pixels.
+    """
 
-    return launch
+    camera: Camera
+    size: tuple[int, int]
+    corners: np.ndarray
+    tile: tuple[int, int]
+    shift: tuple[float, float] = (0.0, 0.0)
+
+    def __len__(self) -> int:
+        return len(self.corners) * self.tile[0] * self.tile[1]
+
+    def chosen(self, numbers: np.ndarray) -> EyeRays:
+        """Some of the rays, through tiles of one pixel each."""
+        columns, rows = self.tile
+        number, place = np.divmod(numbers, columns * rows)
+        row, column = np.divmod(place, columns)
+        return replace(self, corners=self.corners[number] + np.stack([column, row], axis=-1), tile=(1, 1))
+
+    def launch(self) -> Launch:
+        """What puts paths on these rays."""
+        eye, axes = np.asarray(self.camera.position, float), self.camera.axes()
+        scale = 2.0 * np.tan(np.radians(self.camera.field_of_view) / 2.0) / self.size[1]
+        extent, centers = np.asarray(self.size, float), self.corners + 0.5 + np.asarray(self.shift)
+
+        def launch(paths: Paths, first: int, count: int, records: np.ndarray, words: np.ndarray) -> int:
+            return _start(paths, eye, axes, scale, extent, centers, *self.tile, first, count)
+
+        return launch
 
 
-def along_rays(origins: np.ndarray, directions: np.ndarray) -> Launch:
-    """The given rays."""
+@dataclass(frozen=True, eq=False)
+class GivenRays:
+    """Given rays.
 
-    def launch(paths: Paths, first: int, count: int, records: np.ndarray, words: np.ndarray) -> int:
-        return _start_along(paths, origins, directions, first, count, records, words)
+    Parameters
+    ----------
+    origins, directions : (N, 3) float64
+        Directions may have any length; one of (0, 0, 0) is no ray. What lies at the origin itself is met: there is no
+        near plane but the place where a ray begins.
+    """
 
-    return launch
+    origins: np.ndarray
+    directions: np.ndarray
+
+    def __len__(self) -> int:
+        return len(self.origins)
+
+    def chosen(self, numbers: np.ndarray) -> GivenRays:
+        """Some of the rays."""
+        return GivenRays(self.origins[numbers], self.directions[numbers])
+
+    def launch(self) -> Launch:
+        """What puts paths on these rays."""
+        return partial(_start_along, self.origins, self.directions)
+
+
+FirstRays = EyeRays | GivenRays
+"""The rays that light paths begin with."""
+
+
+def eye_rays(
+    camera: Camera, size: tuple[int, int], rectangle: Rectangle | None = None, shift: tuple[float, float] = (0.0, 0.0)
+) -> EyeRays:
+    """The rays through a rectangle (x0, y0, x1, y1) of a picture, its ends left out; through all of it by default."""
+    x0, y0, x1, y1 = rectangle or (0, 0, *size)
+    return EyeRays(camera, size, np.array([[x0, y0]]), (max(x1 - x0, 0), max(y1 - y0, 0)), shift)
 
 
 @inlined
@@ -83,9 +147,9 @@ def _start(
 
 @compiled
 def _start_along(
-    paths: Paths,
     origins: np.ndarray,
     directions: np.ndarray,
+    paths: Paths,
     first: int,
     count: int,
     records: np.ndarray,

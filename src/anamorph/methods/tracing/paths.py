@@ -12,7 +12,7 @@ from anamorph.base.errors import AnamorphError
 from anamorph.base.steps import drain
 from anamorph.frame import Status
 from anamorph.methods.tracing.bounces import DIFFUSE, GLASS, MIRROR, NO_RAYS, WORDS, Paths, VertexRays, World, advance
-from anamorph.methods.tracing.launch import Launch, along_rays, from_eye
+from anamorph.methods.tracing.launch import FirstRays, GivenRays, Rectangle
 from anamorph.methods.tracing.vertex_rays import vertex_rays
 from anamorph.optics.dispersion import line_indices
 from anamorph.optics.ray_meshes import Line, bodies_of
@@ -21,8 +21,6 @@ from anamorph.scene.camera import Camera
 from anamorph.scene.geometry import Geometry
 from anamorph.scene.model import Glass, Mirror, Scene
 from anamorph.surfaces.intersection import pack
-
-Rectangle = tuple[int, int, int, int]
 
 GRAIN = 8192
 
@@ -62,45 +60,33 @@ class PathTracer:
         if not 0 <= max_bounces <= 255:
             raise AnamorphError(f"max_bounces is {max_bounces}; choose 0 to 255")
         self._caster = caster
-        self._red, self._green, self._blue = _worlds(scene, geometry, caster.near, max_bounces)
-        self.disperses = bool(self._green.disperses.any())
+        self._worlds = _worlds(scene, geometry, caster.near, max_bounces)
+        self.disperses = bool(self._worlds[1].disperses.any())
         self._geometry = geometry
         self._bodies = bodies_of(scene, geometry) if truth == "raymesh" else None
         self._thread = threading.local()
 
     def moved(self, geometry: Geometry) -> None:
         """Follow the scene's vertices to where they are in `geometry`; its caster has followed already."""
-        self._red, self._green, self._blue = (
+        self._worlds = [
             world._replace(positions=geometry.positions, normals=geometry.normals, near=self._caster.near)
-            for world in (self._red, self._green, self._blue)
-        )
+            for world in self._worlds
+        ]
 
-    def tracing(
-        self,
-        camera: Camera,
-        size: tuple[int, int],
-        rectangle: Rectangle | None = None,
-        shift: tuple[float, float] = (0.0, 0.0),
-        records: np.ndarray | None = None,
-    ) -> Tracing:
-        """Trace one path for every pixel of a part of the picture, in steps.
+    def tracing(self, first: FirstRays, records: np.ndarray | None = None) -> Tracing:
+        """Trace one path for every ray, in steps.
 
         Parameters
         ----------
-        camera : Camera
-        size : (width, height)
-            Of the whole picture.
-        rectangle : (x0, y0, x1, y1), optional
-            The part, in pixels, its ends left out; the whole picture by default.
-        shift : (right, down)
-            Moves the rays from the pixels' centres, in pixels.
-        records : (pixels, 16) float32, optional
+        first : EyeRays or GivenRays
+            Mirrors bend given rays at their surface in either truth.
+        records : (N, 16) float32, optional
             To be filled again, instead of a new array.
 
         Returns
         -------
-        records : (pixels, 16) float32
-            64 bytes a pixel, row by row:
+        records : (N, 16) float32
+            64 bytes a ray:
 
             ======= ==========================================================================================
             0:3     origin of the path's last ray, metres
@@ -116,55 +102,39 @@ class PathTracer:
             ======= ==========================================================================================
 
             Status is OUTSIDE where the bounce limit ended the path (on the specular triangle it had reached), else
-            TOTAL_REFLECTION where some reflection was total, else SKY, DIRECT (no bounce) or TRACED.
+            TOTAL_REFLECTION where some reflection was total, else SKY, DIRECT (no bounce) or TRACED. Where there is no
+            ray, it is OUTSIDE, and origin, direction and throughput are zero.
 
             Light is that of the d line: what glass that disperses does to green.
         """
-        x0, y0, x1, y1 = rectangle or (0, 0, *size)
-        tile = max(x1 - x0, 0), max(y1 - y0, 0)
-        return self.tracing_tiles(camera, size, np.array([[x0, y0]]), tile, shift, records)
+        return self._tracing(self._worlds[1], first, self._vertex_rays(first, 1), records)
 
-    def tracing_tiles(
-        self,
-        camera: Camera,
-        size: tuple[int, int],
-        corners: np.ndarray,
-        tile: tuple[int, int],
-        shift: tuple[float, float] = (0.0, 0.0),
-        records: np.ndarray | None = None,
-    ) -> Tracing:
-        """Trace one path for every pixel of tiles of the picture, tile by tile, each row by row; see `tracing`.
+    def tracing_colors(self, first: FirstRays, records: np.ndarray, start: int = 0) -> Tracing:
+        """Trace red and blue light, of the C and F lines, for the rays whose path has met glass that disperses.
 
         Parameters
         ----------
-        camera, size, shift, records
-            As in `tracing`.
-        corners : (T, 2) int
-            The first column and row of each tile.
-        tile : (columns, rows)
-            The size of all tiles.
-        """
-        launch = from_eye(camera, size, corners, tile, shift)
-        rays = self._vertex_rays(camera, size, 1)
-        return self._tracing(self._green, launch, len(corners) * tile[0] * tile[1], rays, records)
-
-    def tracing_rays(self, origins: np.ndarray, directions: np.ndarray, records: np.ndarray | None = None) -> Tracing:
-        """Trace one path along each given ray; see `tracing`.
-
-        Parameters
-        ----------
-        origins, directions : (N, 3) float64
-            Directions may have any length; one of (0, 0, 0) is no ray. What lies at the origin itself is met: there
-            is no near plane but the place where a ray begins. Mirrors bend the rays at their surface in either truth.
-        records
-            As in `tracing`.
+        first : EyeRays or GivenRays
+        records : (N, 16) float32
+            What `tracing` returned for some of them. Word 14 is set to the row of the ray's paths in the result,
+            counted from 1.
+        start : int
+            The number of the ray whose record is the first.
 
         Returns
         -------
-        records : (N, 16) float32
-            Where there is no ray, the status is OUTSIDE, and origin, direction and throughput are zero.
+        colors : (2, rays that disperse, 16) float32
+            Records of red light, then of blue, in the order of `records`.
         """
-        return self._tracing(self._green, along_rays(origins, directions), len(origins), NO_RAYS, records)
+        words = records.view(np.uint32)
+        numbers = np.flatnonzero(words[:, 14]) if self.disperses else np.zeros(0, np.int64)
+        words[numbers, 14] = np.arange(1, len(numbers) + 1)
+        colors = np.empty((2, len(numbers), WORDS), np.float32)
+        lines: tuple[Line, Line] = (0, 2)
+        for line, own in zip(lines, colors, strict=True):
+            rays = self._vertex_rays(first, line)
+            yield from self._tracing(self._worlds[line], first.chosen(start + numbers), rays, own)
+        return colors
 
     def follow(self, origin: np.ndarray, direction: np.ndarray) -> np.ndarray:
         """Trace one path, and tell of each of its rays.
@@ -179,75 +149,17 @@ class PathTracer:
             As in `tracing`, of the path ended after 0, 1, ... bounces: row i has the ray after i bounces and what it
             meets; the last row is the whole path's.
         """
-        launch, rows = along_rays(np.atleast_2d(origin), np.atleast_2d(direction)), []
-        for bounces in range(self._green.max_bounces + 1):
-            world = self._green._replace(max_bounces=bounces)
-            rows.append(drain(self._tracing(world, launch, 1, NO_RAYS, None)))
+        first, rows = GivenRays(np.atleast_2d(origin), np.atleast_2d(direction)), []
+        for bounces in range(self._worlds[1].max_bounces + 1):
+            world = self._worlds[1]._replace(max_bounces=bounces)
+            rows.append(drain(self._tracing(world, first, NO_RAYS, None)))
             if rows[-1].view(np.uint32)[0, 7] >> 16 & 0xFF != Status.OUTSIDE:
                 break
         return np.concatenate(rows)
 
-    def tracing_colors(
-        self,
-        camera: Camera,
-        size: tuple[int, int],
-        corners: np.ndarray,
-        tile: tuple[int, int],
-        shift: tuple[float, float],
-        records: np.ndarray,
-    ) -> Tracing:
-        """Trace red and blue light, of the C and F lines, for the pixels whose path has met glass that disperses.
-
-        Parameters
-        ----------
-        camera, size, corners, tile, shift
-            As for `tracing_tiles`.
-        records : (pixels, 16) float32
-            What `tracing_tiles` returned. Word 14 is set to the row of the pixel's paths in the result, counted from 1.
-
-        Returns
-        -------
-        colors : (2, pixels that disperse, 16) float32
-            Records of red light, then of blue, in the order of `records`.
-        """
-        numbers = self._numbered(records)
-        columns, rows = tile
-        number, place = np.divmod(numbers, columns * rows)
-        row, column = np.divmod(place, columns)
-        pixels = np.asarray(corners)[number] + np.stack([column, row], axis=-1)
-        launch = from_eye(camera, size, pixels, (1, 1), shift)
-        return self._tracing_lines(
-            launch, len(numbers), self._vertex_rays(camera, size, 0), self._vertex_rays(camera, size, 2)
-        )
-
-    def tracing_ray_colors(self, origins: np.ndarray, directions: np.ndarray, records: np.ndarray) -> Tracing:
-        """The same for the `origins` and `directions` for which `tracing_rays` returned `records`."""
-        numbers = self._numbered(records)
-        return self._tracing_lines(along_rays(origins[numbers], directions[numbers]), len(numbers), NO_RAYS, NO_RAYS)
-
-    def _numbered(self, records: np.ndarray) -> np.ndarray:
-        """The rows of paths that disperse, counted from 1 in their word 14."""
-        words = records.view(np.uint32)
-        numbers = np.flatnonzero(words[:, 14]) if self.disperses else np.zeros(0, np.int64)
-        words[numbers, 14] = np.arange(1, len(numbers) + 1)
-        return numbers
-
-    def _tracing_lines(self, launch: Launch, count: int, red: VertexRays, blue: VertexRays) -> Tracing:
-        """Red and blue light of `count` paths, (2, count, 16)."""
-        colors = np.empty((2, count, WORDS), np.float32)
-        for world, rays, own in zip((self._red, self._blue), (red, blue), colors, strict=True):
-            yield from self._tracing(world, launch, count, rays, own)
-        return colors
-
-    def _tracing(
-        self,
-        world: World,
-        launch: Launch,
-        count: int,
-        rays: VertexRays,
-        records: np.ndarray | None,
-    ) -> Tracing:
-        """Trace `count` paths; `rays` are those of the ray meshes that the first bounce sends on."""
+    def _tracing(self, world: World, first_rays: FirstRays, rays: VertexRays, records: np.ndarray | None) -> Tracing:
+        """Trace paths; `rays` are those of the ray meshes that the first bounce sends on."""
+        count, launch = len(first_rays), first_rays.launch()
         if records is None or records.shape != (count, WORDS):
             records = np.empty((count, WORDS), np.float32)
         words = records.view(np.uint32)
@@ -278,14 +190,14 @@ class PathTracer:
             paths.distance[:count], paths.triangle[:count], paths.barycentric[:count],
         )  # fmt: skip
 
-    def _vertex_rays(self, camera: Camera, size: tuple[int, int], line: Line) -> VertexRays:
-        """The rays of the ray meshes; none for surface truth."""
-        if self._bodies is None:
+    def _vertex_rays(self, first: FirstRays, line: Line) -> VertexRays:
+        """The rays of the ray meshes as the eye sees them; none for surface truth, and for given rays."""
+        if self._bodies is None or isinstance(first, GivenRays):
             return NO_RAYS
-        return vertex_rays(self._bodies, self._geometry, camera.eye(size), line)
+        return vertex_rays(self._bodies, self._geometry, first.camera.eye(first.size), line)
 
 
-def _worlds(scene: Scene, geometry: Geometry, near: float, max_bounces: int) -> tuple[World, World, World]:
+def _worlds(scene: Scene, geometry: Geometry, near: float, max_bounces: int) -> list[World]:
     """The scene for red, green and blue light."""
     count = len(scene.meshes) + 1
     material, surface = np.full((2, count), DIFFUSE, np.int64)
@@ -301,13 +213,12 @@ def _worlds(scene: Scene, geometry: Geometry, near: float, max_bounces: int) -> 
         if mesh.specular and mesh.parameters is not None:
             surface[number], numbers[number] = pack(mesh.surface)
             parameters[geometry.first_vertex[number - 1] : geometry.first_vertex[number]] = mesh.parameters
-    red, green, blue = constant
-    middle = World(
+    world = World(
         geometry.positions, geometry.normals, parameters, geometry.faces, geometry.face_object,
-        material, tint, green, red != blue, surface, np.concatenate(numbers), np.cumsum([0, *map(len, numbers)]),
-        near, max_bounces,
+        material, tint, constant[1], constant[0] != constant[2], surface,
+        np.concatenate(numbers), np.cumsum([0, *map(len, numbers)]), near, max_bounces,
     )  # fmt: skip
-    return middle._replace(constant=red), middle, middle._replace(constant=blue)
+    return [world._replace(constant=line) for line in constant]
 
 
 def specular_rectangle(scene: Scene, camera: Camera, size: tuple[int, int]) -> Rectangle | None:
@@ -325,21 +236,18 @@ def specular_rectangle(scene: Scene, camera: Camera, size: tuple[int, int]) -> R
         Pixels, the ends left out, a pixel wider than the meshes on each side; the whole picture where one of them
         reaches the plane of the eye; None where none is in the picture.
     """
-    width, height = size
-    axes, eye = camera.axes(), np.asarray(camera.position)
-    focal = height / (2.0 * np.tan(np.radians(camera.field_of_view) / 2.0))
     low, high = np.full(2, np.inf), np.full(2, -np.inf)
     for mesh in scene.meshes:
         if not mesh.specular or not len(mesh.positions):
             continue
-        across, up, depth = axes @ (np.asarray(mesh.positions, float) - eye).T
+        picture = camera.picture(mesh.positions, size)
+        depth = picture[:, 2]
         if depth.max() <= 0.0:
             continue
         if depth.min() <= 1e-6 * depth.max():
-            return 0, 0, width, height
-        x, y = width / 2.0 + focal * across / depth, height / 2.0 - focal * up / depth
-        low = np.minimum(low, [x.min(), y.min()])
-        high = np.maximum(high, [x.max(), y.max()])
+            return 0, 0, *size
+        places = picture[:, :2] / depth[:, None]
+        low, high = np.minimum(low, places.min(axis=0)), np.maximum(high, places.max(axis=0))
     # Clipped first, because a vertex close to the plane of the eye projects beyond any integer.
     x0, y0 = (int(value) for value in np.floor(np.clip(low - 1.0, 0, size)))
     x1, y1 = (int(value) for value in np.ceil(np.clip(high + 1.0, 0, size)))

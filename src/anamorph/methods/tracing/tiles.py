@@ -20,7 +20,7 @@ RECORD_BYTES = 4 * WORDS
 
 
 class Tiles:
-    """Tiles of one size, whose paths' ends `PathTracer.tracing_tiles` has found."""
+    """Tiles of one size, whose paths' ends `PathTracer.tracing` has found."""
 
     def __init__(self, buffers: SceneBuffers) -> None:
         self._scene = buffers

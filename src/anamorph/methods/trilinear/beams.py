@@ -141,11 +141,7 @@ def _make_beams(
     else:
         part, corners = given_domains(np.asarray(domain, float) - start[:, None], inverse.sum(axis=2), start, size)
     shown = np.flatnonzero(~flat & (corners >= 3))
-    picture, origins, directions = (
-        picture[shown],
-        np.asarray(origins, float)[shown],
-        np.asarray(directions, float)[shown],
-    )
+    picture, origins, directions = (np.asarray(each, float)[shown] for each in (picture, origins, directions))
     inverse, part, corners, start = inverse[shown], part[shown], corners[shown], start[shown]
 
     some = np.arange(part.shape[1]) < corners[:, None]

@@ -6,7 +6,7 @@ sides of a branch for every pixel.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any
 
 import wgpu
@@ -18,28 +18,6 @@ from anamorph.gpu.targets import COLOR_FORMAT, DEPTH_FORMAT, SEEN_FORMATS, Targe
 from anamorph.methods.trilinear.visibility import Visibility, bind_views, data_layout, views_layout
 
 
-@dataclass(frozen=True)
-class Kind:
-    """What the shaders have to reckon with.
-
-    Parameters
-    ----------
-    bare : bool
-        As for `Visibility`.
-    glass : bool
-        Whether some ray triangles are on lenses.
-    meets_specular : bool
-        Whether a specular front may be among what is seen.
-    straight : bool
-        Whether what lies between projected corners is interpolated.
-    """
-
-    bare: bool
-    glass: bool = False
-    meets_specular: bool = False
-    straight: bool = False
-
-
 class Coloring:
     """Colours one `Visibility`.
 
@@ -49,7 +27,6 @@ class Coloring:
     visibility : Visibility
     colors : Target
         Where to; its depth is not used.
-    kind : Kind
     write_mask : int
         The colours that are written.
     before : Coloring, optional
@@ -63,13 +40,12 @@ class Coloring:
         buffers: SceneBuffers,
         visibility: Visibility,
         colors: Target,
-        kind: Kind,
         write_mask: int = wgpu.ColorWrite.ALL,
         before: Coloring | None = None,
         goes_on: bool = False,
     ) -> None:
         self._buffers, self._visibility = buffers, visibility
-        size = colors.size
+        kind, size = visibility.kind, colors.size
         depth = visibility.views.owners.depth
         self._colors = replace(colors, depth=depth)
         self._throughput = make_target(size, (COLOR_FORMAT,), depth=depth) if goes_on else None

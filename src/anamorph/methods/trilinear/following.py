@@ -46,8 +46,6 @@ class Following:
 
     Parameters
     ----------
-    pair : (S,) int32
-        Rows of the plan.
     picture : (S, 3, 3) float64
         Homogeneous picture corners (x w, y w, w), pixels; all w are positive.
     origins, directions : (S, 3, 3) float64
@@ -58,7 +56,6 @@ class Following:
         there.
     """
 
-    pair: np.ndarray
     picture: np.ndarray
     origins: np.ndarray
     directions: np.ndarray
@@ -116,7 +113,6 @@ def following_rays(beams: Beams, plan: Plan, chosen: np.ndarray, corners: np.nda
     terms[..., :2] += center[:, None]
     box = np.where(met[:, None], box, 0.0)
     return Following(
-        pair=chosen.astype(np.int32),
         picture=terms * corner_weights[..., None],
         origins=point + anchor[:, None],
         directions=reflected * corner_weights[..., None],

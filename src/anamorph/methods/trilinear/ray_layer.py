@@ -21,12 +21,7 @@ from anamorph.methods.trilinear.following import following_rays
 from anamorph.methods.trilinear.pairs import FRONTS, Own
 from anamorph.methods.trilinear.pixels import seen_pixels
 from anamorph.methods.trilinear.plan import Plan, Planner
-from anamorph.methods.trilinear.ray_records import (
-    following_records,
-    pair_records,
-    piece_records,
-    triangle_records,
-)
+from anamorph.methods.trilinear.ray_records import following_records, pair_records, piece_records, triangle_records
 from anamorph.methods.trilinear.ray_triangles import RayTriangles
 from anamorph.methods.trilinear.visibility import FINENESS, Visibility
 
@@ -115,17 +110,16 @@ class RayLayer:
         """Take over the rays that leave the surfaces first met; `records` are those of `triangle_records`."""
         plan = yield from self.plan(rays, beams, triangles)
         pairs = pair_records(beams, plan, triangles.group > 0)
-        self.visibility.write(records, pairs, self._pieces(rays, beams, plan, triangles))
-        return LayerPlan(beams, plan, records, pairs)
-
-    def _pieces(self, rays: RayTriangles, beams: Beams, plan: Plan, triangles: SceneTriangles) -> np.ndarray:
         if self._straight is None:
-            return piece_records(beams, plan)
-        # Those left out may have no direction at all.
-        shown = beams.number
-        return self._straight(
-            rays.picture[shown], rays.origins[shown], rays.directions[shown], triangles.corners, plan.pair[:, :2]
-        )
+            pieces = piece_records(beams, plan)
+        else:
+            # Those left out may have no direction at all.
+            picture, origins, directions = (
+                each[beams.number] for each in (rays.picture, rays.origins, rays.directions)
+            )
+            pieces = self._straight(picture, origins, directions, triangles.corners, plan.pair[:, :2])
+        self.visibility.write(records, pairs, pieces)
+        return LayerPlan(beams, plan, records, pairs)
 
     def follow(
         self, before: LayerPlan, triangles: SceneTriangles, bounces: int

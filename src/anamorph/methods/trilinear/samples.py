@@ -12,7 +12,7 @@ import numpy as np
 
 from anamorph.base.compiled import compiled, inlined
 from anamorph.methods.trilinear.plan import Plan
-from anamorph.methods.trilinear.terms import ACROSS
+from anamorph.methods.trilinear.terms import ACROSS, quadratic
 
 OUTSIDE = -0.25
 """The least weight of a scene triangle's corner at a sample, but where `LEAST_EXTENT` asks for more."""
@@ -59,8 +59,7 @@ def _least_weight(terms: np.ndarray, x: float, y: float) -> float:
     across = terms[ACROSS] * x + terms[ACROSS + 1] * y + terms[ACROSS + 2]
     least = np.inf
     for i in (0, 6, 12):
-        value = (terms[i] * x + terms[i + 1] * y + terms[i + 3]) * x + (terms[i + 2] * y + terms[i + 4]) * y
-        least = min(least, value + terms[i + 5])
+        least = min(least, quadratic(terms, i, x, y)[0])
     return least / across if across > 0.0 else -np.inf
 
 

@@ -35,8 +35,7 @@ ACROSS, AHEAD = 18, 21
 def is_inside(terms: np.ndarray, x: float, y: float) -> bool:
     """Whether a ray triangle's ray at (x, y) meets a pair's scene triangle."""
     for first in (0, 6, 12):
-        xx, xy, yy = terms[first], terms[first + 1], terms[first + 2]
-        if (xx * x + xy * y + terms[first + 3]) * x + (yy * y + terms[first + 4]) * y + terms[first + 5] < 0.0:
+        if quadratic(terms, first, x, y)[0] < 0.0:
             return False
     across = terms[18] * x + terms[19] * y + terms[20]
     ahead = terms[21] * x + terms[22] * y + terms[23]

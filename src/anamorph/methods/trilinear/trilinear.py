@@ -31,12 +31,12 @@ from anamorph.methods.session import Session
 from anamorph.methods.specular_drawing import SpecularDrawing
 from anamorph.methods.stage import Stage
 from anamorph.methods.trilinear.box_tree import make_tree, moved_tree
-from anamorph.methods.trilinear.coloring import Coloring, Kind
+from anamorph.methods.trilinear.coloring import Coloring
 from anamorph.methods.trilinear.ray_layer import LayerPlan, RayLayer, SceneTriangles
 from anamorph.methods.trilinear.ray_records import add_incident, going_on, triangle_records
 from anamorph.methods.trilinear.ray_triangles import body_groups, body_triangles, camera_triangles, lens_edges
 from anamorph.methods.trilinear.straight import StraightEdges
-from anamorph.methods.trilinear.visibility import Visibility, data_layout
+from anamorph.methods.trilinear.visibility import Kind, Visibility, data_layout
 from anamorph.optics.ray_meshes import bodies_of
 from anamorph.raymesh import RayMesh
 from anamorph.scene.camera import Camera
@@ -133,22 +133,17 @@ class TrilinearDrawing(SpecularDrawing):
         bounces = (options.bounces + self._bare if mirrors else 1) if straight is None else 1
         layers: list[RayLayer] = []
         for bounce in range(bounces):
-            before = layers[-1] if layers else None
-            bare, fine = self._bare or bounce > 0, options.antialias > 1 and bounce == 0
+            bare = self._bare or bounce > 0
             kind = Kind(
                 bare,
-                not bare and any(side.refracts for body in self._bodies for side in body.sides),
-                bool(self._triangles.group.any()),
-                straight is not None,
+                fine=options.antialias > 1 and bounce == 0,
+                straight=straight is not None,
+                glass=not bare and any(side.refracts for body in self._bodies for side in body.sides),
+                meets_specular=bool(self._triangles.group.any()),
             )
-            visibility = Visibility(
-                stage.buffers, self._lenses, stage.view.size, bare, fine, straight is not None,
-                None if before is None else before.visibility,
-            )  # fmt: skip
-            coloring = Coloring(
-                stage.buffers, visibility, self._colors, kind, mask,
-                None if before is None else before.coloring, bounce + 1 < bounces,
-            )  # fmt: skip
+            seen, shown = (layers[-1].visibility, layers[-1].coloring) if layers else (None, None)
+            visibility = Visibility(stage.buffers, self._lenses, stage.view.size, kind, seen)
+            coloring = Coloring(stage.buffers, visibility, self._colors, mask, shown, bounce + 1 < bounces)
             layers.append(RayLayer(visibility, coloring, stage.view.size, straight))
         return layers
 

@@ -97,6 +97,31 @@ def make_views(size: tuple[int, int], straight: bool) -> Views:
     return Views(owners, seen)
 
 
+@dataclass(frozen=True)
+class Kind:
+    """What the passes over one picture have to reckon with.
+
+    Parameters
+    ----------
+    bare : bool
+        Whether ray triangles are drawn where their own picture says, or where the surface is that they are on.
+    fine : bool
+        Whether several samples of each pixel are looked at besides its middle.
+    straight : bool
+        Whether scene triangles have straight edges, and what lies between their corners is interpolated.
+    glass : bool
+        Whether some ray triangles are on lenses.
+    meets_specular : bool
+        Whether a specular front may be among what is seen.
+    """
+
+    bare: bool
+    fine: bool
+    straight: bool
+    glass: bool
+    meets_specular: bool
+
+
 class Visibility:
     """What the rays of one picture meet.
 
@@ -107,12 +132,7 @@ class Visibility:
         As `trilinear.wgsl` reads them.
     size : (width, height)
         Of the picture.
-    bare : bool
-        Whether ray triangles are drawn where their own picture says, or where the surface is that they are on.
-    fine : bool
-        Whether several samples of each pixel are looked at besides its middle.
-    straight : bool
-        Whether scene triangles have straight edges.
+    kind : Kind
     before : Visibility, optional
         Whose rays these send on.
 
@@ -122,6 +142,8 @@ class Visibility:
         By pixels' middles.
     fine : Views or None
         By samples.
+    count : int
+        How many ray triangles there are.
     """
 
     def __init__(
@@ -129,19 +151,18 @@ class Visibility:
         buffers: SceneBuffers,
         lenses: wgpu.GPUBuffer,
         size: tuple[int, int],
-        bare: bool,
-        fine: bool = False,
-        straight: bool = False,
+        kind: Kind,
         before: Visibility | None = None,
     ) -> None:
-        self._buffers, self._lenses = buffers, lenses
+        self._buffers, self._lenses, self.kind = buffers, lenses, kind
+        straight = kind.straight
         self.views = make_views(size, straight)
-        self.fine = make_views((FINENESS * size[0], FINENESS * size[1]), straight) if fine else None
+        self.fine = make_views((FINENESS * size[0], FINENESS * size[1]), straight) if kind.fine else None
         self._owned = [bind_views(views, owned=True) for views in self._all()]
         self._source = bind_views(None if before is None else before.views)
         self._held: list[wgpu.GPUBuffer | None] = [None, None, None]
         self._data: wgpu.GPUBindGroup | None = None
-        self._corners, self._count = 0, 0
+        self._corners, self.count = 0, 0
         module = shader_module(f"methods/trilinear/{'straight/straight' if straight else 'visibility'}.wgsl")
 
         def pipeline(vertex: str, fragment: str, target: Target, **settings: Any) -> wgpu.GPURenderPipeline:
@@ -149,19 +170,14 @@ class Visibility:
             groups = data_layout(), views_layout()
             return make_pipeline(module, vertex, fragment, formats, buffers=(), groups=groups, **settings)
 
-        kind, cull = ("bare", "none") if bare else ("surface", "back")
+        drawn, cull = ("bare", "none") if kind.bare else ("surface", "back")
         entry = "owner" if before is None else "following_owner"
-        self._owner = pipeline(f"{kind}_owner_vertex", entry, self.views.owners, cull=cull)
+        self._owner = pipeline(f"{drawn}_owner_vertex", entry, self.views.owners, cull=cull)
         pieces = ("straight_vertex", "straight_visible") if straight else ("piece_vertex", "visible")
         self._visible = [
             pipeline(*pieces, self.views.seen, constants={"PIXEL": pixel})
-            for pixel in ((1.0, 1.0 / FINENESS) if fine else (1.0,))
+            for pixel in ((1.0, 1.0 / FINENESS) if kind.fine else (1.0,))
         ]
-
-    @property
-    def count(self) -> int:
-        """How many ray triangles there are."""
-        return self._count
 
     @property
     def many(self) -> bool:
@@ -171,7 +187,7 @@ class Visibility:
     def write(self, triangles: np.ndarray, pairs: np.ndarray, pieces: np.ndarray) -> None:
         """Take over ray triangles (K,) of `RAY_TRIANGLE`, pairs of `PAIR`, and pieces as the shader reads them."""
         assert triangles.dtype == RAY_TRIANGLE
-        self._count, self._corners = len(triangles), 3 * len(pieces)
+        self.count, self._corners = len(triangles), 3 * len(pieces)
         contents = [each if len(each) else np.zeros(1, each.dtype) for each in (triangles, pairs, pieces)]
         held = [roomy_buffer(buffer, content.nbytes) for buffer, content in zip(self._held, contents, strict=True)]
         if held != self._held:
@@ -188,7 +204,7 @@ class Visibility:
         Many pieces are handed to the device in parts, each a step; returns the encoder to go on with.
         """
         for views, visible, owned in zip(self._all(), self._visible, self._owned, strict=True):
-            self._draw(encoder, projection, views.owners, self._owner, self._source, range(3 * self._count))
+            self._draw(encoder, projection, views.owners, self._owner, self._source, range(3 * self.count))
             for first in range(0, max(self._corners, 1), AT_ONCE):
                 if first:
                     encoder = recorder.part(encoder)

@@ -16,10 +16,11 @@ import math
 import numpy as np
 
 from anamorph.base.compiled import compiled, inlined
+from anamorph.base.vectors import along, cross, dot
 from anamorph.methods.trilinear.straight.chains import CORNER, EDGE, OPEN, WHICH, link_t
 from anamorph.methods.trilinear.straight.rows import SIDE, SIDES
 from anamorph.raytriangle.roots import insert
-from anamorph.raytriangle.rows import MEAN, cross, dot, normal, plus, three
+from anamorph.raytriangle.rows import MEAN, normal, three
 from anamorph.raytriangle.solve import NOWHERE, ROOT, ROOTS, ray_through
 
 T, U, V, SECOND, THIRD = range(5)
@@ -39,15 +40,15 @@ def side_crossings(row: np.ndarray, solved: np.ndarray, cuts: np.ndarray) -> Non
     """The scaled t at which each edge of a scene triangle meets the three sides, ascending into `cuts` (3, 6)."""
     for edge in range(3):
         a, b = three(solved[(edge + 1) % 3], 0), three(solved[(edge + 2) % 3], 0)
-        along = plus(b, -1.0, a)
-        moment = cross(along, a)
+        way = along(b, -1.0, a)
+        moment = cross(way, a)
         count = 0
         for side in range(3):
             first = SIDES + SIDE * side
             one, other = quadratic_roots(
-                dot(along, three(row, first)) + dot(moment, three(row, first + 9)),
-                dot(along, three(row, first + 3)) + dot(moment, three(row, first + 12)),
-                dot(along, three(row, first + 6)),
+                dot(way, three(row, first)) + dot(moment, three(row, first + 9)),
+                dot(way, three(row, first + 3)) + dot(moment, three(row, first + 12)),
+                dot(way, three(row, first + 6)),
             )
             if math.isfinite(one):
                 count = insert(cuts[edge], count, one)
@@ -81,7 +82,7 @@ def edge_ray(row: np.ndarray, solved: np.ndarray, edge: int, t: float) -> tuple[
     i, j = (edge + 1) % 3, (edge + 2) % 3
     upright, middle = normal(row, t), three(row, MEAN)
     a, b = three(solved[i], 0), three(solved[j], 0)
-    weight = edge_weight(dot(plus(a, -t, middle), upright), dot(plus(b, -t, middle), upright))
+    weight = edge_weight(dot(along(a, -t, middle), upright), dot(along(b, -t, middle), upright))
     point = (
         weight * a[0] + (1.0 - weight) * b[0],
         weight * a[1] + (1.0 - weight) * b[1],

@@ -128,16 +128,7 @@ def curved_mirror(
     square = np.sum(plane**2, axis=1)
     sag = curvature * square / (1.0 + np.sqrt(1.0 - curvature**2 * square))
     parameters = surface.parameters(np.asarray(apex) + np.column_stack([plane, -sag]) @ axes)
-    inside = -1.0 if isinstance(surface, Sphere) and curvature < 0.0 else 1.0
-    return Mesh(
-        name=name,
-        positions=surface.position(parameters).astype(np.float32),
-        faces=lattice(vertices, vertices).astype(np.int32),
-        normals=(inside * surface.normal(parameters)).astype(np.float32),
-        material=Mirror(reflectance=0.92),
-        surface=surface,
-        parameters=parameters,
-    )
+    return Mesh.exact(name, surface, parameters, lattice(vertices, vertices), Mirror(reflectance=0.92), axes[2])
 
 
 def _surface(curvature: float, apex: np.ndarray, axes: np.ndarray) -> Plane | Sphere:

@@ -54,12 +54,4 @@ def mirror_ball(
     """A whole mirror sphere, tessellated by longitude and latitude."""
     sphere = Sphere(center=np.asarray(center, float), radius=radius)
     parameters, faces = globe(rows, columns)
-    return Mesh(
-        name=name,
-        positions=np.round(sphere.position(parameters), 9).astype(np.float32),
-        faces=faces.astype(np.int32),
-        normals=sphere.normal(parameters).astype(np.float32),
-        material=Mirror(reflectance=0.92),
-        surface=sphere,
-        parameters=parameters,
-    )
+    return Mesh.exact(name, sphere, parameters, faces, Mirror(reflectance=0.92), decimals=9)

@@ -113,15 +113,8 @@ def mirror_torus(name: str, middle: Vector, axis: Vector) -> Mesh:
     surface = torus_surface(middle, axes, MAJOR, MINOR)
     u, v = np.meshgrid(*(_even(count) for count in VERTICES))
     parameters = np.stack([u.ravel(), v.ravel()], axis=-1)
-    return Mesh(
-        name=name,
-        positions=np.round(surface.position(parameters), 9).astype(np.float32),
-        faces=lattice(VERTICES[1] + 1, VERTICES[0] + 1).astype(np.int32),
-        normals=surface.normal(parameters).astype(np.float32),
-        material=Mirror(reflectance=0.92),
-        surface=surface,
-        parameters=parameters,
-    )
+    faces = lattice(VERTICES[1] + 1, VERTICES[0] + 1)
+    return Mesh.exact(name, surface, parameters, faces, Mirror(reflectance=0.92), decimals=9)
 
 
 def _even(count: int) -> np.ndarray:

@@ -44,12 +44,13 @@ def check_output(path: str | Path, suffixes: tuple[str, ...] = ()) -> Path:
 
 def check_directory(path: Path) -> None:
     """Refuse a directory that could neither be made nor written to, before any work is done for it."""
-    if not path.is_dir():
+    if path.is_dir():
+        if not os.access(path, os.W_OK):
+            raise AnamorphError(f"{path}: the directory cannot be written; choose another")
+    elif path.exists():
+        raise AnamorphError(f"{path}: is there already and is no directory; choose another name")
+    else:
         check_output(path)
-        if path.exists():
-            raise AnamorphError(f"{path}: is there already and is no directory; choose another name")
-    elif not os.access(path, os.W_OK):
-        raise AnamorphError(f"{path}: the directory cannot be written; choose another")
 
 
 @contextmanager
@@ -97,12 +98,7 @@ def check_folder(path: Path) -> Path:
     """Refuse a name that no new folder could take, before any work is done for it."""
     if path.is_dir() and any(path.iterdir()):
         raise AnamorphError(f"{path}: is there already and holds files; give a new folder")
-    if path.is_dir():
-        check_directory(path)
-    elif path.exists():
-        raise AnamorphError(f"{path}: is there already and is no directory; choose another name")
-    else:
-        check_output(path)
+    check_directory(path)
     return path
 
 

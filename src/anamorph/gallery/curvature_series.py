@@ -71,14 +71,12 @@ def one_mirror(curvature: float) -> Scene:
 def _scene(name: str, stands: list[Mesh], field_of_view: float) -> Scene:
     x, y, _ = MIDDLE
     board = box((x - 0.86, y - 0.74, BOARD), (x + 0.86, y + 0.72, BOARD + 0.05), "+x-x+y-y-z", (0, 0, 1.5, 1.2))
-    furniture = (*room.shell(), *room.window(), *room.table(), *room.tableware(), *room.shelf(), *room.pictures())
     return Scene(
         name=name,
         meshes=(
             *stands,
             board.mesh("board", Diffuse(color=(1.0, 1.0, 1.0), texture=planks(512, 6, (118, 132, 140), 61))),
-            *furniture,
-            room.door(),
+            *room.furniture(),
         ),
         camera=Camera(position=EYE, target=(x, y - 0.025, BOARD), field_of_view=field_of_view),
         lights=(

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from itertools import pairwise
+from itertools import count, pairwise
 
 import numpy as np
 from scipy.spatial import Delaunay, KDTree
@@ -103,9 +103,7 @@ def _triangulated(
     curves: Sequence[TrimCurve], segments: list[Segment], inner: np.ndarray, low: np.ndarray, scale: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Points (V, 2) in cells, triangles between them, and the straight pieces of the border, all sides of triangles."""
-    turn = 0
-    while True:
-        turn += 1
+    for turn in count(1):
         outline, ends, border = _outline(curves, segments, low, scale)
         points = np.concatenate([border, inner])
         triangles = Delaunay(points).simplices

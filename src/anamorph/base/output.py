@@ -5,7 +5,7 @@ from __future__ import annotations
 import io
 import os
 import shutil
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, BinaryIO
@@ -57,16 +57,8 @@ def check_directory(path: Path) -> None:
 def whole_file(path: str | Path) -> Iterator[BinaryIO]:
     """A binary file that takes its name only when the block ends well, and leaves nothing behind when it does not."""
     path = check_output(path).resolve()
-    unfinished = path.with_name(f".{path.name}.{os.getpid()}.part")
-    try:
-        with on_interrupt(unfinished.unlink):
-            with open(unfinished, "wb") as file:
-                yield file
-            os.replace(unfinished, path)
-    except OSError as error:
-        raise _unwritten(path, error) from error
-    finally:
-        unfinished.unlink(missing_ok=True)
+    with _unfinished(path, lambda part: part.unlink(missing_ok=True)) as part, open(part, "wb") as file:
+        yield file
 
 
 @contextmanager
@@ -76,22 +68,26 @@ def whole_folder(path: str | Path) -> Iterator[Path]:
     A folder of that name must be empty, or not there.
     """
     path = check_folder(Path(path)).resolve()
-    unfinished = path.with_name(f".{path.name}.{os.getpid()}.part")
+    with _unfinished(path, lambda part: shutil.rmtree(part, ignore_errors=True)) as part:
+        part.mkdir()
+        yield part
 
-    def remove() -> None:
-        shutil.rmtree(unfinished, ignore_errors=True)
 
+@contextmanager
+def _unfinished(path: Path, remove: Callable[[Path], object]) -> Iterator[Path]:
+    """Where to write what shall be called `path` at the end of the block."""
+    part = path.with_name(f".{path.name}.{os.getpid()}.part")
     try:
-        with on_interrupt(remove):
-            unfinished.mkdir()
-            yield unfinished
+        with on_interrupt(lambda: remove(part)):
+            yield part
             if path.is_dir():
                 path.rmdir()
-            os.replace(unfinished, path)
+            os.replace(part, path)
     except OSError as error:
-        raise _unwritten(path, error) from error
+        reason = error.strerror or error
+        raise AnamorphError(f"{path}: cannot be written ({reason}); free space or choose another") from error
     finally:
-        remove()
+        remove(part)
 
 
 def check_folder(path: Path) -> Path:
@@ -100,11 +96,6 @@ def check_folder(path: Path) -> Path:
         raise AnamorphError(f"{path}: is there already and holds files; give a new folder")
     check_directory(path)
     return path
-
-
-def _unwritten(path: Path, error: OSError) -> AnamorphError:
-    reason = error.strerror or error
-    return AnamorphError(f"{path}: cannot be written ({reason}); free space or choose another")
 
 
 def save_text(path: str | Path, text: str) -> None:

@@ -164,6 +164,18 @@ def box(
     return join([grid(*faces[sides[i : i + 2]], divisions, image) for i in range(0, len(sides), 2)])
 
 
+def six_sided(low: Sequence[float], high: Sequence[float], divisions: tuple[int, int] = (1, 1)) -> Shape:
+    """A box whose sides, front, right, back, left, top and bottom, show six fields of a texture.
+
+    They are the fields in its left three quarters, three across and two down.
+    """
+    sides = []
+    for number, side in enumerate(("+z", "+x", "-z", "-x", "+y", "-y")):
+        row, column = divmod(number, 3)
+        sides.append(box(low, high, side, (column / 4, row / 2, (column + 1) / 4, (row + 1) / 2), divisions))
+    return join(sides)
+
+
 def loft(rings: np.ndarray, crease: float = 40.0) -> Shape:
     """A skin over `rings` (R, S, 3), whose points turn counter-clockwise seen from where the rings go.
 

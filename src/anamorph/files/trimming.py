@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from itertools import count, pairwise
+from itertools import pairwise
 
 import numpy as np
 from scipy.spatial import Delaunay, KDTree
@@ -103,15 +103,16 @@ def _triangulated(
     curves: Sequence[TrimCurve], segments: list[Segment], inner: np.ndarray, low: np.ndarray, scale: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Points (V, 2) in cells, triangles between them, and the straight pieces of the border, all sides of triangles."""
-    for turn in count(1):
+    for _ in range(ROUNDS):
         outline, ends, border = _outline(curves, segments, low, scale)
         points = np.concatenate([border, inner])
         triangles = Delaunay(points).simplices
         sides = np.sort(np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]]), axis=1)
         missing = ~np.isin(_key(np.sort(ends, axis=1)), _key(sides)) & (ends[:, 0] != ends[:, 1])
-        if turn == ROUNDS or not missing.any():
-            return points, triangles, outline
+        if not missing.any():
+            break
         segments = [piece for segment, cut in zip(segments, missing, strict=True) for piece in _halves(segment, cut)]
+    return points, triangles, outline
 
 
 Segment = tuple[int, float, float]

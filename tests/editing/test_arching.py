@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+import door_mirror
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -14,7 +15,6 @@ from anamorph import gallery
 from anamorph.base.errors import AnamorphError
 from anamorph.editing.arching import arch_of, arched, arched_surface
 from anamorph.editing.edit import Edit, edit
-from anamorph.gallery import door_mirror
 from anamorph.gallery.shapes import lattice
 from anamorph.gallery.torus import torus_surface
 from anamorph.measure.compare import measure

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import sys
 
+import door_mirror
 import numpy as np
 import pytest
 from OCP.BRep import BRep_Builder
@@ -30,7 +31,6 @@ from anamorph.files.cad import choose, load_cad, read_cad
 from anamorph.files.models import load_parts
 from anamorph.files.opening import open_scene
 from anamorph.files.source import FaceChoice
-from anamorph.gallery import door_mirror
 from anamorph.methods.tracing.launch import eye_rays
 from anamorph.methods.tracing.paths import PathTracer
 from anamorph.rays.caster import Caster

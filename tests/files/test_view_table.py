@@ -7,6 +7,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+import door_mirror
 import numpy as np
 import pytest
 import trimesh
@@ -21,7 +22,6 @@ from anamorph.files.source import FaceChoice, Source
 from anamorph.files.tables import Table
 from anamorph.files.toml import toml_text
 from anamorph.files.view_file import Opened, open_view, save_view
-from anamorph.gallery import door_mirror
 from anamorph.scene.camera import Camera
 from anamorph.scene.model import Scene
 from anamorph.viewer.controls import edited, part_edits, scene_controls

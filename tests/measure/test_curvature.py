@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
+import door_mirror
 import numpy as np
 import pytest
 from curved_surfaces import mesh_on, wavy
 
 from anamorph.base.errors import AnamorphError
 from anamorph.files.cad import CadFace
-from anamorph.gallery import door_mirror
 from anamorph.measure.curvature import mirror_radii, principal_radii
 from anamorph.scene.model import Mesh
 from anamorph.surfaces.even_asphere import EvenAsphere

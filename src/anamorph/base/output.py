@@ -5,7 +5,7 @@ from __future__ import annotations
 import io
 import os
 import shutil
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, BinaryIO
@@ -44,28 +44,21 @@ def check_output(path: str | Path, suffixes: tuple[str, ...] = ()) -> Path:
 
 def check_directory(path: Path) -> None:
     """Refuse a directory that could neither be made nor written to, before any work is done for it."""
-    if not path.is_dir():
+    if path.is_dir():
+        if not os.access(path, os.W_OK):
+            raise AnamorphError(f"{path}: the directory cannot be written; choose another")
+    elif path.exists():
+        raise AnamorphError(f"{path}: is there already and is no directory; choose another name")
+    else:
         check_output(path)
-        if path.exists():
-            raise AnamorphError(f"{path}: is there already and is no directory; choose another name")
-    elif not os.access(path, os.W_OK):
-        raise AnamorphError(f"{path}: the directory cannot be written; choose another")
 
 
 @contextmanager
 def whole_file(path: str | Path) -> Iterator[BinaryIO]:
     """A binary file that takes its name only when the block ends well, and leaves nothing behind when it does not."""
     path = check_output(path).resolve()
-    unfinished = path.with_name(f".{path.name}.{os.getpid()}.part")
-    try:
-        with on_interrupt(unfinished.unlink):
-            with open(unfinished, "wb") as file:
-                yield file
-            os.replace(unfinished, path)
-    except OSError as error:
-        raise _unwritten(path, error) from error
-    finally:
-        unfinished.unlink(missing_ok=True)
+    with _unfinished(path, lambda part: part.unlink(missing_ok=True)) as part, open(part, "wb") as file:
+        yield file
 
 
 @contextmanager
@@ -75,40 +68,34 @@ def whole_folder(path: str | Path) -> Iterator[Path]:
     A folder of that name must be empty, or not there.
     """
     path = check_folder(Path(path)).resolve()
-    unfinished = path.with_name(f".{path.name}.{os.getpid()}.part")
+    with _unfinished(path, lambda part: shutil.rmtree(part, ignore_errors=True)) as part:
+        part.mkdir()
+        yield part
 
-    def remove() -> None:
-        shutil.rmtree(unfinished, ignore_errors=True)
 
+@contextmanager
+def _unfinished(path: Path, remove: Callable[[Path], object]) -> Iterator[Path]:
+    """Where to write what shall be called `path` at the end of the block."""
+    part = path.with_name(f".{path.name}.{os.getpid()}.part")
     try:
-        with on_interrupt(remove):
-            unfinished.mkdir()
-            yield unfinished
+        with on_interrupt(lambda: remove(part)):
+            yield part
             if path.is_dir():
                 path.rmdir()
-            os.replace(unfinished, path)
+            os.replace(part, path)
     except OSError as error:
-        raise _unwritten(path, error) from error
+        reason = error.strerror or error
+        raise AnamorphError(f"{path}: cannot be written ({reason}); free space or choose another") from error
     finally:
-        remove()
+        remove(part)
 
 
 def check_folder(path: Path) -> Path:
     """Refuse a name that no new folder could take, before any work is done for it."""
     if path.is_dir() and any(path.iterdir()):
         raise AnamorphError(f"{path}: is there already and holds files; give a new folder")
-    if path.is_dir():
-        check_directory(path)
-    elif path.exists():
-        raise AnamorphError(f"{path}: is there already and is no directory; choose another name")
-    else:
-        check_output(path)
+    check_directory(path)
     return path
-
-
-def _unwritten(path: Path, error: OSError) -> AnamorphError:
-    reason = error.strerror or error
-    return AnamorphError(f"{path}: cannot be written ({reason}); free space or choose another")
 
 
 def save_text(path: str | Path, text: str) -> None:

@@ -34,15 +34,9 @@ def appearance(
         Linear; (3 F, 3), for the faces' corners in turn, where the file colours faces.
     """
     visual, count = geometry.visual, len(geometry.vertices)
-    if visual.kind == "vertex":
-        return Diffuse(WHITE), "", None, decode_srgb(np.asarray(visual.vertex_colors)[:, :3] / 255.0)
-    if visual.kind == "face":
-        return (
-            Diffuse(WHITE),
-            "",
-            None,
-            np.repeat(decode_srgb(np.asarray(visual.face_colors)[:, :3] / 255.0), 3, axis=0),
-        )
+    if visual.kind in ("vertex", "face"):
+        encoded = visual.vertex_colors if visual.kind == "vertex" else np.repeat(visual.face_colors, 3, axis=0)
+        return Diffuse(WHITE), "", None, decode_srgb(np.asarray(encoded)[:, :3] / 255.0)
     if visual.kind != "texture":
         return Diffuse(), "", None, None
 

@@ -6,8 +6,10 @@ import numpy as np
 
 from anamorph.base.errors import AnamorphError
 from anamorph.base.vectors import Vector
+from anamorph.gallery.shapes import lattice
 from anamorph.scene.camera import Camera
 from anamorph.scene.model import Diffuse, Mesh, Mirror, Scene, Texture
+from anamorph.scene.pose import WORLD_UP, upright_axes
 from anamorph.surfaces.sphere import Sphere
 
 # All lengths are in units of the radius of the model's bounding sphere, so that any unit of length will do.
@@ -69,9 +71,8 @@ def _tuple(vector: np.ndarray) -> Vector:
 
 def _mirror(center: np.ndarray, outward: np.ndarray, unit: float) -> tuple[Mesh, Mesh]:
     """A mirror that is a cap of a sphere, bulging along `outward` at `center`, and the dark plate that it is set in."""
-    right = _unit(np.cross([0.0, 1.0, 0.0], outward))
     radius = MIRROR_RADIUS * unit
-    middle, axes = center - radius * outward, np.stack([right, np.cross(outward, right), outward])
+    middle, axes = center - radius * outward, upright_axes(outward, WORLD_UP)
     width, height = MIRROR_HALF_SIZE
     plate = Sphere(middle, radius - BORDER / 2.0 * unit, axes)
     return (
@@ -85,18 +86,7 @@ def _cap(name: str, sphere: Sphere, half_size: tuple[float, float], material: Mi
     spans = np.arcsin(np.array(half_size) / MIRROR_RADIUS)
     columns, rows = (np.linspace(-span, span, steps + 1) for span, steps in zip(spans, MIRROR_STEPS, strict=True))
     parameters = np.stack(np.meshgrid(columns, rows), axis=-1).reshape(-1, 2)
-    first = np.add.outer(np.arange(len(rows) - 1) * len(columns), np.arange(len(columns) - 1)).reshape(-1, 1)
-    across, above = 1, len(columns)
-    corners = first + np.array([0, across, across + above, 0, across + above, above])
-    return Mesh(
-        name=name,
-        positions=sphere.position(parameters).astype(np.float32),
-        faces=corners.reshape(-1, 3).astype(np.int32),
-        normals=sphere.normal(parameters).astype(np.float32),
-        material=material,
-        surface=sphere,
-        parameters=parameters,
-    )
+    return Mesh.exact(name, sphere, parameters, lattice(len(rows), len(columns)), material)
 
 
 def _ground(center: np.ndarray, unit: float) -> Mesh:

@@ -119,7 +119,7 @@ def _face(face: Any) -> dict[str, Any] | None:
         if surface.IsVPeriodic():
             surface.SetVNotPeriodic()
     rows, columns = range(1, surface.NbUPoles() + 1), range(1, surface.NbVPoles() + 1)
-    poles = [[_coordinates(surface.Pole(i, j)) for j in columns] for i in rows]
+    poles = [[surface.Pole(i, j).Coord() for j in columns] for i in rows]
     return {
         "poles": MILLIMETRE * np.array(poles),
         "weights": np.array([[surface.Weight(i, j) for j in columns] for i in rows]),
@@ -165,17 +165,13 @@ def _curves(face: Any) -> list[dict[str, Any]]:
         numbers = range(1, curve.NbPoles() + 1)
         curves.append(
             {
-                "poles": np.array([(curve.Pole(i).X(), curve.Pole(i).Y()) for i in numbers]),
+                "poles": np.array([curve.Pole(i).Coord() for i in numbers]),
                 "weights": np.array([curve.Weight(i) for i in numbers]),
                 "knots": _knots(curve.NbKnots(), curve.Knot, curve.Multiplicity),
                 "degree": curve.Degree(),
             }
         )
     return curves
-
-
-def _coordinates(point: Any) -> tuple[float, float, float]:
-    return point.X(), point.Y(), point.Z()
 
 
 def _knots(count: int, knot: Any, multiplicity: Any) -> np.ndarray:

@@ -13,6 +13,7 @@ from itertools import pairwise
 import numpy as np
 from scipy.spatial import Delaunay, KDTree
 
+from anamorph.gallery.shapes import lattice
 from anamorph.surfaces.bsplines import basis
 from anamorph.surfaces.nurbs import NurbsSurface
 
@@ -83,12 +84,12 @@ def tessellate(surface: NurbsSurface, curves: Sequence[TrimCurve], density: int)
     segments = [segment for number, curve in enumerate(curves) for segment in _sampled(curve, number, low, scale)]
     inside = _outline(curves, segments, low, scale)[0]
     corners = inside[:, :2], inside[:, 2:]
-    lattice = _lattice(np.zeros(2), cells.astype(float), cells)[0]
-    lattice = lattice[_within(lattice, *corners)]
+    inner = _lattice(np.zeros(2), cells.astype(float), cells)[0]
+    inner = inner[_within(inner, *corners)]
     along = np.linspace(0.0, 1.0, 5)[:, None, None]
     near = ((1.0 - along) * corners[0] + along * corners[1]).reshape(-1, 2)
-    lattice = lattice[KDTree(near).query(lattice)[0] > CLEARANCE] if len(lattice) else lattice
-    points, triangles, outline = _triangulated(curves, segments, lattice, low, scale)
+    inner = inner[KDTree(near).query(inner)[0] > CLEARANCE] if len(inner) else inner
+    points, triangles, outline = _triangulated(curves, segments, inner, low, scale)
     a, b, c = np.moveaxis(points[triangles], 1, 0)
     area = (b - a)[:, 0] * (c - a)[:, 1] - (b - a)[:, 1] * (c - a)[:, 0]
     triangles = np.where(area[:, None] < 0.0, triangles[:, ::-1], triangles)
@@ -99,20 +100,19 @@ def tessellate(surface: NurbsSurface, curves: Sequence[TrimCurve], density: int)
 
 
 def _triangulated(
-    curves: Sequence[TrimCurve], segments: list[Segment], lattice: np.ndarray, low: np.ndarray, scale: np.ndarray
+    curves: Sequence[TrimCurve], segments: list[Segment], inner: np.ndarray, low: np.ndarray, scale: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Points (V, 2) in cells, triangles between them, and the straight pieces of the border, all sides of triangles."""
-    turn = 0
-    while True:
-        turn += 1
+    for _ in range(ROUNDS):
         outline, ends, border = _outline(curves, segments, low, scale)
-        points = np.concatenate([border, lattice])
+        points = np.concatenate([border, inner])
         triangles = Delaunay(points).simplices
         sides = np.sort(np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]]), axis=1)
         missing = ~np.isin(_key(np.sort(ends, axis=1)), _key(sides)) & (ends[:, 0] != ends[:, 1])
-        if turn == ROUNDS or not missing.any():
-            return points, triangles, outline
+        if not missing.any():
+            break
         segments = [piece for segment, cut in zip(segments, missing, strict=True) for piece in _halves(segment, cut)]
+    return points, triangles, outline
 
 
 Segment = tuple[int, float, float]
@@ -142,10 +142,7 @@ def _on_box(points: np.ndarray) -> bool:
 def _lattice(low: np.ndarray, high: np.ndarray, cells: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     u, v = (np.linspace(low[axis], high[axis], cells[axis] + 1) for axis in range(2))
     points = np.stack(np.meshgrid(u, v), axis=-1).reshape(-1, 2)
-    first = np.add.outer(np.arange(cells[1]) * (cells[0] + 1), np.arange(cells[0])).reshape(-1, 1)
-    above = cells[0] + 1
-    corners = first + np.array([0, 1, above + 1, 0, above + 1, above])
-    return points, corners.reshape(-1, 3).astype(np.int32)
+    return points, lattice(cells[1] + 1, cells[0] + 1).astype(np.int32)
 
 
 def _sampled(curve: TrimCurve, number: int, low: np.ndarray, scale: np.ndarray) -> list[Segment]:

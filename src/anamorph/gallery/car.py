@@ -7,7 +7,6 @@ import numpy as np
 from anamorph.gallery.shapes import Shape, box, creased, grid, join, lathe, lattice
 from anamorph.scene.model import Color
 
-LENGTH = 4.36
 HALF_WIDTH = 0.88
 WHEELS = (-1.36, 1.26)
 WHEEL_RADIUS = 0.32

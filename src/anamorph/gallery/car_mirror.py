@@ -15,6 +15,7 @@ from anamorph.gallery.shapes import Shape, lattice, loft
 from anamorph.gallery.town import car_shade, cars, ground, houses, lamps, trees
 from anamorph.scene.camera import Camera
 from anamorph.scene.model import AmbientLight, Diffuse, DirectionalLight, Mesh, Mirror, Scene, Sky
+from anamorph.scene.pose import WORLD_UP, upright_axes
 from anamorph.surfaces.sphere import Sphere
 
 RADIUS = 1.4
@@ -61,9 +62,7 @@ def mirror_sphere(rearward: Vector = REARWARD) -> Sphere:
     to_eye = np.subtract(EYE, MIRROR)
     outward = to_eye / np.linalg.norm(to_eye) + np.asarray(rearward) / np.linalg.norm(rearward)
     outward /= np.linalg.norm(outward)
-    right = np.cross((0.0, 1.0, 0.0), outward)
-    right /= np.linalg.norm(right)
-    axes = np.stack([right, np.cross(outward, right), outward])
+    axes = upright_axes(outward, WORLD_UP)
     return Sphere(center=np.asarray(MIRROR) - RADIUS * outward, radius=RADIUS, axes=axes)
 
 
@@ -79,15 +78,8 @@ def glass(sphere: Sphere) -> Mesh:
     x, y = (np.linspace(-extent / 2, extent / 2, VERTICES) for extent in GLASS_SIZE)
     plane = np.stack(np.meshgrid(x, y), axis=-1).reshape(-1, 2)
     parameters = sphere.parameters(on_sphere(sphere, plane))
-    return Mesh(
-        name="mirror",
-        positions=sphere.position(parameters).astype(np.float32),
-        faces=lattice(VERTICES, VERTICES).astype(np.int32),
-        normals=sphere.normal(parameters).astype(np.float32),
-        material=Mirror(tint=(0.97, 0.985, 1.0), reflectance=0.9),
-        surface=sphere,
-        parameters=parameters,
-    )
+    polished = Mirror(tint=(0.97, 0.985, 1.0), reflectance=0.9)
+    return Mesh.exact("mirror", sphere, parameters, lattice(VERTICES, VERTICES), polished)
 
 
 def rounded_rectangle(half_width: float, half_height: float, corner: float, arc: int = 9) -> np.ndarray:

@@ -83,15 +83,7 @@ def pane(name: str, place: Vector, window: str) -> Mesh:
 
     s, t = (axis.ravel()[:, None] for axis in np.meshgrid(*(np.linspace(0.0, 1.0, count) for count in VERTICES)))
     parameters = (1 - t) * ((1 - s) * flat[0] + s * flat[1]) + t * ((1 - s) * flat[2] + s * flat[3])
-    return Mesh(
-        name=name,
-        positions=surface.position(parameters).astype(np.float32),
-        faces=lattice(VERTICES[1], VERTICES[0]).astype(np.int32),
-        normals=surface.normal(parameters).astype(np.float32),
-        material=GLASS,
-        surface=surface,
-        parameters=parameters,
-    )
+    return Mesh.exact(name, surface, parameters, lattice(VERTICES[1], VERTICES[0]), GLASS)
 
 
 def edge(z: float, upper: int) -> np.ndarray:

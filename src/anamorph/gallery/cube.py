@@ -12,7 +12,7 @@ from functools import cache
 import numpy as np
 from PIL import Image, ImageDraw
 
-from anamorph.gallery.shapes import box, grid, join
+from anamorph.gallery.shapes import grid, six_sided
 from anamorph.gallery.textures import Rgb, centered, checkerboard, texture
 from anamorph.scene.camera import Camera
 from anamorph.scene.model import AmbientLight, Diffuse, DirectionalLight, Mesh, Scene, Sky, Texture
@@ -24,8 +24,6 @@ BOARD = 3.5
 BOARD_HEIGHT = -0.75
 """The cube floats: sides that touch the board would fight with it for pixels."""
 
-SIDES = ("+z", "+x", "-z", "-x", "+y", "-y")
-"""Numbered from 1."""
 COLORS: tuple[Rgb, ...] = (
     (226, 112, 92), (112, 176, 96), (236, 188, 84), (98, 148, 212), (240, 234, 218), (176, 124, 192),
 )  # fmt: skip
@@ -46,13 +44,8 @@ LIGHTS = (
 
 def cube() -> Mesh:
     """588 triangles: a side of 7 x 7 quads for each number from 1 to 6."""
-    low, high = (-EDGE / 2,) * 3, (EDGE / 2,) * 3
-    sides = []
-    for number, side in enumerate(SIDES):
-        row, column = divmod(number, 3)
-        image = (column / 4, row / 2, (column + 1) / 4, (row + 1) / 2)
-        sides.append(box(low, high, side, image, (QUADS, QUADS)))
-    return join(sides).mesh("cube", Diffuse(color=(1, 1, 1), texture=numbers()))
+    sides = six_sided((-EDGE / 2,) * 3, (EDGE / 2,) * 3, (QUADS, QUADS))
+    return sides.mesh("cube", Diffuse(color=(1, 1, 1), texture=numbers()))
 
 
 def board() -> Mesh:

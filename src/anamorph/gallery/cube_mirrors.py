@@ -39,15 +39,7 @@ def cube_in_sphere(quads: int = QUADS) -> Scene:
     along = directions @ offset
     inside = along**2 - (offset @ offset - BALL.radius**2)
     parameters = BALL.parameters(camera.position + (-along - np.sqrt(inside))[:, None] * directions)
-    mirror = Mesh(
-        name="mirror",
-        positions=BALL.position(parameters).astype(np.float32),
-        faces=lattice(quads + 1, quads + 1).astype(np.int32),
-        normals=BALL.normal(parameters).astype(np.float32),
-        material=Mirror(reflectance=0.92),
-        surface=BALL,
-        parameters=parameters,
-    )
+    mirror = Mesh.exact("mirror", BALL, parameters, lattice(quads + 1, quads + 1), Mirror(reflectance=0.92))
     return Scene("cube-in-sphere", (mirror, *cube_and_board()), camera, LIGHTS, Sky())
 
 

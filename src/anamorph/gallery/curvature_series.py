@@ -71,14 +71,12 @@ def one_mirror(curvature: float) -> Scene:
 def _scene(name: str, stands: list[Mesh], field_of_view: float) -> Scene:
     x, y, _ = MIDDLE
     board = box((x - 0.86, y - 0.74, BOARD), (x + 0.86, y + 0.72, BOARD + 0.05), "+x-x+y-y-z", (0, 0, 1.5, 1.2))
-    furniture = (*room.shell(), *room.window(), *room.table(), *room.tableware(), *room.shelf(), *room.pictures())
     return Scene(
         name=name,
         meshes=(
             *stands,
             board.mesh("board", Diffuse(color=(1.0, 1.0, 1.0), texture=planks(512, 6, (118, 132, 140), 61))),
-            *furniture,
-            room.door(),
+            *room.furniture(),
         ),
         camera=Camera(position=EYE, target=(x, y - 0.025, BOARD), field_of_view=field_of_view),
         lights=(
@@ -128,16 +126,7 @@ def curved_mirror(
     square = np.sum(plane**2, axis=1)
     sag = curvature * square / (1.0 + np.sqrt(1.0 - curvature**2 * square))
     parameters = surface.parameters(np.asarray(apex) + np.column_stack([plane, -sag]) @ axes)
-    inside = -1.0 if isinstance(surface, Sphere) and curvature < 0.0 else 1.0
-    return Mesh(
-        name=name,
-        positions=surface.position(parameters).astype(np.float32),
-        faces=lattice(vertices, vertices).astype(np.int32),
-        normals=(inside * surface.normal(parameters)).astype(np.float32),
-        material=Mirror(reflectance=0.92),
-        surface=surface,
-        parameters=parameters,
-    )
+    return Mesh.exact(name, surface, parameters, lattice(vertices, vertices), Mirror(reflectance=0.92), axes[2])
 
 
 def _surface(curvature: float, apex: np.ndarray, axes: np.ndarray) -> Plane | Sphere:

@@ -107,15 +107,7 @@ def _mirror() -> Mesh:
     angle, turn = _polar(np.linspace(0.0, REACH, RINGS + 1)[1:], SECTORS)
     x, y, z = np.sin(angle) * np.cos(turn), np.sin(angle) * np.sin(turn), np.cos(angle)
     parameters = np.stack([np.arctan2(x, z), np.arcsin(y)], axis=-1)
-    return Mesh(
-        name="mirror",
-        positions=sphere.position(parameters).astype(np.float32),
-        faces=_disc(RINGS, SECTORS).astype(np.int32),
-        normals=sphere.normal(parameters).astype(np.float32),
-        material=Mirror(reflectance=0.92),
-        surface=sphere,
-        parameters=parameters,
-    )
+    return Mesh.exact("mirror", sphere, parameters, _disc(RINGS, SECTORS), Mirror(reflectance=0.92))
 
 
 def _polar(radii: np.ndarray, sectors: int) -> tuple[np.ndarray, np.ndarray]:

@@ -6,19 +6,14 @@ from functools import cache
 
 from PIL import Image, ImageDraw
 
-from anamorph.gallery.shapes import Shape, box, join
+from anamorph.gallery.shapes import Shape, six_sided
 from anamorph.gallery.textures import centered, texture
 from anamorph.scene.model import Texture
 
 
 def die(edge: float) -> Shape:
     """A cube that stands on the origin with a letter on each side."""
-    sides = []
-    for number, side in enumerate(("+z", "+x", "-z", "-x", "+y", "-y")):
-        row, column = divmod(number, 3)
-        image = (column / 4, row / 2, (column + 1) / 4, (row + 1) / 2)
-        sides.append(box((-edge / 2, 0.0, -edge / 2), (edge / 2, edge, edge / 2), side, image))
-    return join(sides)
+    return six_sided((-edge / 2, 0.0, -edge / 2), (edge / 2, edge, edge / 2))
 
 
 @cache

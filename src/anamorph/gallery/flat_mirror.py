@@ -90,12 +90,4 @@ def plane_mirror(
     """A flat mirror of two triangles, to be looked at from the side of right x up."""
     plane = Plane(origin=np.asarray(origin, float), edge_u=np.asarray(right, float), edge_v=np.asarray(up, float))
     parameters = np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [1.0, 1.0]])
-    return Mesh(
-        name=name,
-        positions=plane.position(parameters).astype(np.float32),
-        faces=lattice(2, 2).astype(np.int32),
-        normals=plane.normal(parameters).astype(np.float32),
-        material=Mirror(reflectance=0.92),
-        surface=plane,
-        parameters=parameters,
-    )
+    return Mesh.exact(name, plane, parameters, lattice(2, 2), Mirror(reflectance=0.92))

@@ -50,10 +50,9 @@ def spectacles_plus() -> Scene:
 
 def _spectacles(name: str, prescription: Prescription) -> Scene:
     lens = worn_lens(prescription, EYE, GAZE)
-    furniture = (*room.shell(), *room.window(), *room.table(), *room.tableware(), *room.shelf(), *room.pictures())
     return Scene(
         name=name,
-        meshes=(*lens.meshes, rim(lens, GAZE, 0.0012).mesh("lens/rim", Diffuse(color=METAL)), *furniture, room.door()),
+        meshes=(*lens.meshes, rim(lens, GAZE, 0.0012).mesh("lens/rim", Diffuse(color=METAL)), *room.furniture()),
         camera=_looking(EYE, lens, 62.0),
         lights=(
             PointLight(position=(-0.4, 2.2, 0.6), color=(2.0, 1.9, 1.75)),

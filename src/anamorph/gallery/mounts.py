@@ -6,6 +6,7 @@ import numpy as np
 
 from anamorph.gallery.shapes import Shape, loft
 from anamorph.scene.model import Mesh
+from anamorph.scene.pose import WORLD_UP, upright_axes
 
 
 def bezel(mirror: Mesh, rows: int, columns: int, width: float, depth: float, closed: bool = False) -> Shape:
@@ -44,8 +45,6 @@ def bezel(mirror: Mesh, rows: int, columns: int, width: float, depth: float, clo
 
 def turned_axes(outward: np.ndarray, degrees: float) -> np.ndarray:
     """Rows right, up and `outward` (a unit vector); right is level, then turned counter-clockwise seen from outside."""
-    level = np.cross((0.0, 1.0, 0.0), outward)
-    level /= np.linalg.norm(level)
-    upright = np.cross(outward, level)
+    level, upright, _ = upright_axes(outward, WORLD_UP)
     cosine, sine = np.cos(np.radians(degrees)), np.sin(np.radians(degrees))
     return np.stack([cosine * level + sine * upright, cosine * upright - sine * level, outward])

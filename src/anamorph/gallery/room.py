@@ -45,7 +45,7 @@ def room() -> Scene:
     toward = np.array([-0.75, 0.45, 0.35])
     return Scene(
         name="room",
-        meshes=(*pot, *shell(), *window(), *table(), *tableware(), *shelf(), *pictures(), door()),
+        meshes=(*pot, *furniture()),
         camera=Camera(position=(0.30, 1.08, 0.86), target=(0.02, 0.825, 0.0), field_of_view=24.0),
         lights=(
             DirectionalLight(toward=tuple(toward / np.linalg.norm(toward)), color=(0.42, 0.40, 0.36)),
@@ -53,6 +53,11 @@ def room() -> Scene:
             AmbientLight(sky=(0.42, 0.42, 0.44), ground=(0.30, 0.27, 0.24)),
         ),
     )
+
+
+def furniture() -> list[Mesh]:
+    """All of the room but the pot."""
+    return [*shell(), *window(), *table(), *tableware(), *shelf(), *pictures(), door()]
 
 
 def white(image: Texture | None = None) -> Diffuse:

@@ -63,12 +63,4 @@ def toric_mirror(surface: Toroid, size: tuple[float, float], name: str) -> Mesh:
     """A rectangle of a toroid, metres along its right and up, on a square lattice of vertices."""
     u, v = (np.linspace(-extent / 2, extent / 2, VERTICES) for extent in size)
     parameters = np.stack(np.meshgrid(u, v), axis=-1).reshape(-1, 2)
-    return Mesh(
-        name=name,
-        positions=surface.position(parameters).astype(np.float32),
-        faces=lattice(VERTICES, VERTICES).astype(np.int32),
-        normals=surface.normal(parameters).astype(np.float32),
-        material=Mirror(reflectance=0.92),
-        surface=surface,
-        parameters=parameters,
-    )
+    return Mesh.exact(name, surface, parameters, lattice(VERTICES, VERTICES), Mirror(reflectance=0.92))

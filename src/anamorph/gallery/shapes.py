@@ -164,16 +164,27 @@ def box(
     return join([grid(*faces[sides[i : i + 2]], divisions, image) for i in range(0, len(sides), 2)])
 
 
-def loft(rings: np.ndarray, crease: float = 40.0, closed: bool = True, colors: np.ndarray | None = None) -> Shape:
+def six_sided(low: Sequence[float], high: Sequence[float], divisions: tuple[int, int] = (1, 1)) -> Shape:
+    """A box whose sides, front, right, back, left, top and bottom, show six fields of a texture.
+
+    They are the fields in its left three quarters, three across and two down.
+    """
+    sides = []
+    for number, side in enumerate(("+z", "+x", "-z", "-x", "+y", "-y")):
+        row, column = divmod(number, 3)
+        sides.append(box(low, high, side, (column / 4, row / 2, (column + 1) / 4, (row + 1) / 2), divisions))
+    return join(sides)
+
+
+def loft(rings: np.ndarray, crease: float = 40.0) -> Shape:
     """A skin over `rings` (R, S, 3), whose points turn counter-clockwise seen from where the rings go.
 
-    `colors` (R, S, 3) are those of the points. Texture coordinates run once around and along.
+    Texture coordinates run once around and along.
     """
     count, size = rings.shape[:2]
     along, around = np.meshgrid(np.linspace(1, 0, count), np.linspace(0, 1, size), indexing="ij")
     texcoords = np.stack([around.ravel(), along.ravel()], axis=-1)
-    painted = None if colors is None else colors.reshape(-1, 3)
-    return creased(rings.reshape(-1, 3), lattice(count, size, closed), crease, texcoords, painted)
+    return creased(rings.reshape(-1, 3), lattice(count, size, closed=True), crease, texcoords)
 
 
 def lathe(profile: Sequence[tuple[float, float]], segments: int = 16, crease: float = 40.0) -> Shape:
@@ -199,6 +210,12 @@ def globe(rows: int, columns: int) -> tuple[np.ndarray, np.ndarray]:
     faces = lattice(rows + 1, columns + 1).reshape(rows, columns, 2, 3)
     south, middle, north = faces[0, :, 1], faces[1:-1].reshape(-1, 3), faces[-1, :, 0]
     return np.stack([u.ravel(), v.ravel()], axis=-1), np.concatenate([south, middle, north])
+
+
+def ball(subdivisions: int, radius: float, middle: Sequence[float]) -> Shape:
+    """A plain ball of triangles that are about alike."""
+    points, faces = icosphere(subdivisions)
+    return Shape(points * radius + middle, points, np.zeros((len(points), 2)), np.ones_like(points), faces)
 
 
 def icosphere(subdivisions: int) -> tuple[np.ndarray, np.ndarray]:

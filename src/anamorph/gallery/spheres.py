@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from anamorph.gallery.flat_mirror import plane_mirror
-from anamorph.gallery.shapes import Shape, globe, grid, icosphere
+from anamorph.gallery.shapes import ball, globe, grid
 from anamorph.gallery.textures import checkerboard
 from anamorph.scene.camera import Camera
 from anamorph.scene.model import AmbientLight, Color, Diffuse, DirectionalLight, Mesh, Mirror, Scene, Sky
@@ -23,11 +23,8 @@ BALLS: tuple[tuple[tuple[float, float, float], float, Color], ...] = (
 def spheres() -> Scene:
     """The built-in scene `spheres`."""
     board = Diffuse(color=(1, 1, 1), texture=checkerboard(256, 2, (222, 218, 208), (60, 66, 74)))
-    points, faces = icosphere(3)
     balls = [
-        Shape(points * radius + middle, points, np.zeros((len(points), 2)), np.ones_like(points), faces).mesh(
-            f"ball-{number}", Diffuse(color=color)
-        )
+        ball(3, radius, middle).mesh(f"ball-{number}", Diffuse(color=color))
         for number, (middle, radius, color) in enumerate(BALLS)
     ]
     toward = np.array([0.4, 0.8, 0.5])
@@ -54,12 +51,4 @@ def mirror_ball(
     """A whole mirror sphere, tessellated by longitude and latitude."""
     sphere = Sphere(center=np.asarray(center, float), radius=radius)
     parameters, faces = globe(rows, columns)
-    return Mesh(
-        name=name,
-        positions=np.round(sphere.position(parameters), 9).astype(np.float32),
-        faces=faces.astype(np.int32),
-        normals=sphere.normal(parameters).astype(np.float32),
-        material=Mirror(reflectance=0.92),
-        surface=sphere,
-        parameters=parameters,
-    )
+    return Mesh.exact(name, sphere, parameters, faces, Mirror(reflectance=0.92), decimals=9)

@@ -103,15 +103,6 @@ def teapot(
         positions = np.round(surface.position(parameters), 9)
         a, b, c = np.moveaxis(positions[faces], 1, 0)
         whole = np.linalg.norm(np.cross(b - a, c - a), axis=1) > 1e-14
-        meshes.append(
-            Mesh(
-                name=f"teapot/{part}-{number}",
-                positions=positions.astype(np.float32),
-                faces=faces[whole].astype(np.int32),
-                normals=surface.normal(parameters).astype(np.float32),
-                material=material,
-                surface=surface,
-                parameters=parameters,
-            )
-        )
+        name = f"teapot/{part}-{number}"
+        meshes.append(Mesh.exact(name, surface, parameters, faces[whole], material, decimals=9))
     return meshes

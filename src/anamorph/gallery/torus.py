@@ -12,7 +12,7 @@ import numpy as np
 from anamorph.base.vectors import Vector
 from anamorph.gallery.dice import die, letters
 from anamorph.gallery.mounts import turned_axes
-from anamorph.gallery.shapes import Shape, cylinder, grid, icosphere, join, lathe, lattice
+from anamorph.gallery.shapes import ball, cylinder, grid, join, lathe, lattice
 from anamorph.gallery.textures import checkerboard
 from anamorph.scene.camera import Camera
 from anamorph.scene.model import AmbientLight, Color, Diffuse, DirectionalLight, Mesh, Mirror, Scene, Sky
@@ -44,11 +44,8 @@ def torus() -> Scene:
     """The built-in scene `torus`."""
     board = Diffuse(color=(1, 1, 1), texture=checkerboard(256, 4, (226, 222, 208), (54, 92, 104)))
     white = Diffuse(color=(1.0, 1.0, 1.0))
-    points, faces = icosphere(2)
     balls = [
-        Shape(points * radius + middle, points, np.zeros((len(points), 2)), np.ones_like(points), faces).mesh(
-            f"ball-{number}", Diffuse(color=color)
-        )
+        ball(2, radius, middle).mesh(f"ball-{number}", Diffuse(color=color))
         for number, (middle, radius, color) in enumerate(BALLS)
     ]
     pillar, turn = lathe(PILLAR, 20, 40.0).moved(0.0, 0.0, ROUND), 360.0 / (2 * len(PILLARS))
@@ -113,15 +110,8 @@ def mirror_torus(name: str, middle: Vector, axis: Vector) -> Mesh:
     surface = torus_surface(middle, axes, MAJOR, MINOR)
     u, v = np.meshgrid(*(_even(count) for count in VERTICES))
     parameters = np.stack([u.ravel(), v.ravel()], axis=-1)
-    return Mesh(
-        name=name,
-        positions=np.round(surface.position(parameters), 9).astype(np.float32),
-        faces=lattice(VERTICES[1] + 1, VERTICES[0] + 1).astype(np.int32),
-        normals=surface.normal(parameters).astype(np.float32),
-        material=Mirror(reflectance=0.92),
-        surface=surface,
-        parameters=parameters,
-    )
+    faces = lattice(VERTICES[1] + 1, VERTICES[0] + 1)
+    return Mesh.exact(name, surface, parameters, faces, Mirror(reflectance=0.92), decimals=9)
 
 
 def _even(count: int) -> np.ndarray:

@@ -69,22 +69,22 @@ def crossing() -> Texture:
 def pavement() -> Texture:
     """Concrete slabs, 2 m by 2 m."""
     image = mottled((256, 256), (158, 154, 146), 13, (4, 16, 64), 4.0)
-    draw = ImageDraw.Draw(image)
-    for row in range(4):
-        draw.line((0, row * 64, 256, row * 64), fill=(118, 114, 108), width=2)
-        for x in range(32 * (row % 2), 257, 64):
-            draw.line((x, row * 64, x, row * 64 + 64), fill=(118, 114, 108), width=2)
-    return texture(image)
+    return _courses(image, 64, (118, 114, 108), 2, (118, 114, 108))
 
 
 def roof_tiles() -> Texture:
     """Clay tiles, 3 m by 3 m."""
     image = mottled((256, 256), (138, 74, 54), 14, (4, 16, 32), 9.0)
+    return _courses(image, 32, (88, 46, 34), 4, (106, 56, 42))
+
+
+def _courses(image: Image.Image, side: int, bed: Rgb, thick: int, joint: Rgb) -> Texture:
+    """Squares of `side` pixels in rows, each shifted by half of one against the next, with lines between them."""
     draw = ImageDraw.Draw(image)
-    for row in range(8):
-        draw.line((0, row * 32, 256, row * 32), fill=(88, 46, 34), width=4)
-        for x in range(16 * (row % 2), 257, 32):
-            draw.line((x, row * 32, x, row * 32 + 32), fill=(106, 56, 42), width=2)
+    for top in range(0, 256, side):
+        draw.line((0, top, 256, top), fill=bed, width=thick)
+        for x in range(side // 2 * (top // side % 2), 257, side):
+            draw.line((x, top, x, top + side), fill=joint, width=2)
     return texture(image)
 
 

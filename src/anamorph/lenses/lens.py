@@ -122,30 +122,17 @@ def lens_between(
     plane, faces = disc(rings_for(vertices))
     plane = radius * plane
     points = middle + plane[:, :1] * right + plane[:, 1:] * up
-    sides, parameters = (front, back), [drop(surface, points, outward) for surface in (front, back)]
+    parameters = [drop(surface, points, outward) for surface in (front, back)]
     thick = (front.position(parameters[0]) - back.position(parameters[1])) @ outward
     if thick.min() <= 0.0:
         x, y = 1e3 * plane[thick.argmin()]
         raise AnamorphError(
             f"lens '{name}': its faces cross {np.hypot(x, y):.1f} mm from its axis; make it thicker or smaller"
         )
-    meshes = []
-    for surface, uv, sign, side in zip(sides, parameters, (1.0, -1.0), ("front", "back"), strict=True):
-        normals = surface.normal(uv)
-        normals *= sign * np.sign(normals @ outward)[:, None]
-        meshes.append(
-            Mesh(
-                name=f"{name}/{side}",
-                positions=surface.position(uv).astype(np.float32),
-                faces=(faces if sign > 0.0 else faces[:, ::-1]).astype(np.int32),
-                normals=normals.astype(np.float32),
-                material=glass,
-                surface=surface,
-                parameters=uv,
-            )
-        )
+    ahead = Mesh.exact(f"{name}/front", front, parameters[0], faces, glass, outward)
+    behind = Mesh.exact(f"{name}/back", back, parameters[1], faces[:, ::-1], glass, -outward)
     border = slice(-6 * rings_for(vertices), None)
-    return Lens(meshes[0], meshes[1], _edge(name, meshes[0].positions[border], meshes[1].positions[border], outward))
+    return Lens(ahead, behind, _edge(name, ahead.positions[border], behind.positions[border], outward))
 
 
 def _edge(name: str, front: np.ndarray, back: np.ndarray, outward: np.ndarray) -> Mesh:

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from anamorph.scene.model import Mesh, Scene
+from anamorph.scene.model import WHITE, Mesh, Scene
 from anamorph.scene.parts import specular_parts
 
 SPECULAR, BESIDE, APART = 0, 1, 2
@@ -59,17 +59,14 @@ def flatten(scene: Scene) -> Geometry:
     def joined(parts: list[np.ndarray], dtype: type) -> np.ndarray:
         return np.concatenate(parts, dtype=dtype, casting="unsafe")
 
-    def texcoords(mesh: Mesh) -> np.ndarray:
-        return np.zeros((len(mesh.positions), 2), np.float32) if mesh.texcoords is None else mesh.texcoords
-
-    def colors(mesh: Mesh) -> np.ndarray:
-        return np.ones((len(mesh.positions), 3), np.float32) if mesh.colors is None else mesh.colors
+    def each(values: np.ndarray | None, mesh: Mesh, missing: tuple[float, ...]) -> np.ndarray:
+        return np.tile(missing, (len(mesh.positions), 1)) if values is None else values
 
     return Geometry(
         positions=joined([mesh.positions for mesh in meshes], np.float32),
         normals=joined([mesh.normals for mesh in meshes], np.float32),
-        texcoords=joined([texcoords(mesh) for mesh in meshes], np.float32),
-        colors=joined([colors(mesh) for mesh in meshes], np.float32),
+        texcoords=joined([each(mesh.texcoords, mesh, (0.0, 0.0)) for mesh in meshes], np.float32),
+        colors=joined([each(mesh.colors, mesh, WHITE) for mesh in meshes], np.float32),
         faces=joined([mesh.faces + int(start) for mesh, start in zip(meshes, first_vertex, strict=False)], np.int32),
         vertex_object=np.repeat(objects, np.diff(first_vertex)),
         face_object=np.repeat(objects, np.diff(first_face)),

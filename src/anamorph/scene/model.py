@@ -95,6 +95,42 @@ class Mesh:
     surface: Surface | None = None
     parameters: np.ndarray | None = None
 
+    @classmethod
+    def exact(
+        cls,
+        name: str,
+        surface: Surface,
+        parameters: np.ndarray,
+        faces: np.ndarray,
+        material: Material,
+        toward: np.ndarray | None = None,
+        decimals: int | None = None,
+    ) -> Mesh:
+        """A mesh all of whose vertices lie on an exact surface.
+
+        Parameters
+        ----------
+        name, surface, faces, material
+            As of `Mesh`.
+        parameters : (V, 2) float64
+            Where on the surface the vertices are.
+        toward : (3,) float64, optional
+            Normals are on the side to which this points; by default they are the surface's own.
+        decimals : int, optional
+            To which positions are rounded, so that neighbours get the same along a border that they share.
+        """
+        positions = surface.position(parameters)
+        normals = surface.normal(parameters) if toward is None else surface.normals_toward(parameters, toward[None])
+        return cls(
+            name=name,
+            positions=(positions if decimals is None else np.round(positions, decimals)).astype(np.float32),
+            faces=faces.astype(np.int32),
+            normals=normals.astype(np.float32),
+            material=material,
+            surface=surface,
+            parameters=parameters,
+        )
+
     @property
     def specular(self) -> bool:
         """Whether light goes on from this mesh (mirror or glass) and does not end there."""

@@ -9,6 +9,5 @@
 | `intersection` | where rays meet any of them, and the registry by which compiled loops know them |
 | `sag_search`, `patch_search` | the two Newton iterations with which they are met |
 | `nurbs_pieces`, `bsplines` | NURBS as polynomials in one array, and their basis |
-| `collapsed` | normals where a side of a patch is a point |
 | `axes`, `similarity` | a surface's own axes, and motions |
 """

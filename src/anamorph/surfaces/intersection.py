@@ -54,16 +54,7 @@ def dispatch(surfaces: tuple[type[Surface], ...]) -> Callable:
 
 
 @compiled
-def _none(
-    kind: int,
-    numbers: np.ndarray,
-    origin: Vector,
-    direction: Vector,
-    distance: float,
-    u: float,
-    v: float,
-    facing: Vector,
-) -> tuple[bool, float, Vector]:
+def _none(kind, numbers, origin, direction, distance, u, v, facing):
     return False, distance, (0.0, 0.0, 0.0)
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from math import comb
 
 import numpy as np
 
@@ -116,20 +117,12 @@ class NurbsSurface(Patch):
         return np.concatenate([self.poles * self.weights[..., None], self.weights[..., None]], axis=-1)
 
 
-def _quotient(sums: dict[tuple[int, int], np.ndarray], i: int, j: int) -> np.ndarray:
-    """The derivative of order (i, j) of numerator over denominator, from theirs."""
-    weight = sums[0, 0][:, 3:]
-    match i, j:
-        case 0, 0:
-            return sums[0, 0][:, :3] / weight
-        case (1, 0) | (0, 1):
-            return (sums[i, j][:, :3] - sums[i, j][:, 3:] * _quotient(sums, 0, 0)) / weight
-        case (2, 0) | (0, 2):
-            half = (i // 2, j // 2)
-            value = sums[i, j][:, :3] - sums[i, j][:, 3:] * _quotient(sums, 0, 0)
-            return (value - 2.0 * sums[half][:, 3:] * _quotient(sums, *half)) / weight
-        case 1, 1:
-            value = sums[1, 1][:, :3] - sums[1, 1][:, 3:] * _quotient(sums, 0, 0)
-            value -= sums[1, 0][:, 3:] * _quotient(sums, 0, 1)
-            return (value - sums[0, 1][:, 3:] * _quotient(sums, 1, 0)) / weight
-    raise ValueError(f"derivative of order {i}, {j}")
+def _quotient(sums: dict[tuple[int, int], np.ndarray], order_u: int, order_v: int) -> np.ndarray:
+    """The derivative of numerator over denominator, from theirs."""
+    value = sums[order_u, order_v][:, :3]
+    for i in range(order_u, -1, -1):
+        for j in range(order_v, -1, -1):
+            if (i, j) != (0, 0):
+                ways = comb(order_u, i) * comb(order_v, j)
+                value = value - ways * sums[i, j][:, 3:] * _quotient(sums, order_u - i, order_v - j)
+    return value / sums[0, 0][:, 3:]

@@ -7,8 +7,8 @@ from abc import abstractmethod
 import numpy as np
 from scipy.spatial import KDTree
 
+from anamorph.base.errors import AnamorphError
 from anamorph.surfaces.base import Surface
-from anamorph.surfaces.collapsed import unit_normals
 
 POLE = 1e-6
 """A parameter moves nothing where the surface moves by less than this share of its size over all of its range."""
@@ -44,7 +44,35 @@ class Patch(Surface):
         return self.derivative(uv, 0, 0)
 
     def normal(self, uv: np.ndarray) -> np.ndarray:
-        return self.sign * unit_normals(self.derivative, *self.domain, self.extent, uv)
+        uv, (low, high) = np.asarray(uv, float).reshape(-1, 2), self.domain
+        least = 1e-7 * self.extent**2
+        normal = np.cross(self._slope(uv, 1, 0), self._slope(uv, 0, 1))
+        collapsed = np.linalg.norm(normal, axis=1) <= least
+        if collapsed.any():
+            inward = np.where(uv[collapsed] < (low + high) / 2.0, 1.0, -1.0)
+            normal[collapsed] = self._limit(uv[collapsed], inward, least)
+        return self.sign * (normal / np.linalg.norm(normal, axis=1, keepdims=True))
+
+    def _slope(self, uv: np.ndarray, order_u: int, order_v: int) -> np.ndarray:
+        """Like `derivative`, by parameters that go from 0 to 1."""
+        low, high = self.domain
+        size = high - low
+        return self.derivative(uv, order_u, order_v) * (size[0] ** order_u * size[1] ** order_v)
+
+    def _limit(self, uv: np.ndarray, inward: np.ndarray, least: float) -> np.ndarray:
+        """Directions of the normals at collapsed points, by the change of d/du x d/dv toward the inside."""
+        to_u, to_v = inward[:, :1], inward[:, 1:]
+        along_u, along_v, mixed = self._slope(uv, 1, 0), self._slope(uv, 0, 1), self._slope(uv, 1, 1)
+        change = np.cross(to_u * self._slope(uv, 2, 0) + to_v * mixed, along_v)
+        change += np.cross(along_u, to_u * mixed + to_v * self._slope(uv, 0, 2))
+        still = np.linalg.norm(change, axis=1) <= least
+        # A corner may collapse to second order: a short step inside leaves it.
+        low, high = self.domain
+        near = uv[still] + 1e-3 * inward[still] * (high - low)
+        change[still] = np.cross(self._slope(near, 1, 0), self._slope(near, 0, 1))
+        if not np.linalg.norm(change, axis=1).all():
+            raise AnamorphError("surface: its control points collapse to a line; remove the patch")
+        return change
 
     def curvatures(self, uv: np.ndarray) -> np.ndarray:
         """Principal curvatures, (N, 2) float64, 1/m, the greater first; positive where it bends away from its normal.

@@ -1,11 +1,11 @@
-"""The aspheric door mirror that is shipped as assets/aspheric-door-mirror.step, and the program that writes it.
+"""The aspheric door mirror that is shipped as aspheric-door-mirror.step, and the program that writes it.
 
 A left-hand mirror as its driver sees it: x to the right (towards the car), y up, z out of the glass, metres:
 
     z = sqrt(R^2 - x^2 - y^2) - R - a max(0, -s - x)^3
 
 a sphere of radius R up to the line x = -s, and beyond it curved ever more strongly along x. Position, normal and
-curvature are continuous at the line. Write the file anew with: python -m anamorph.gallery.door_mirror FILE
+curvature are continuous at the line. Write the file anew with: python tests/door_mirror.py FILE
 """
 
 # pyright: reportMissingImports=false
@@ -17,13 +17,15 @@ from pathlib import Path
 import numpy as np
 from scipy.interpolate import BSpline, make_interp_spline
 
+import anamorph
+
 RADIUS = 1.4
 SEAM = 0.035
 CUBIC = 6.0
 SIZE = (0.19, 0.13)
 CORNER = 0.022
 NAME = "glass"
-FILE = Path(__file__).with_name("assets") / "aspheric-door-mirror.step"
+FILE = Path(anamorph.__file__).parent / "gallery" / "assets" / "aspheric-door-mirror.step"
 
 DEGREE = 5
 PIECES = (4, 3, 4)

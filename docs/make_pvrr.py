@@ -1,4 +1,4 @@
-"""Makes the pictures of pvrr.md: `.venv/bin/python docs/make_pvrr.py`, or those whose numbers are given."""
+"""Makes the images of pvrr.md: `.venv/bin/python docs/make_pvrr.py`, or those whose numbers are given."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from pathlib import Path
 from figures import diagrams, mirrors, refraction
 from figures.panels import Panel, save
 
-PICTURES = Path(__file__).resolve().parent / "pictures" / "pvrr"
+IMAGES = Path(__file__).resolve().parent / "images" / "pvrr"
 
 FIGURES: dict[int, Callable[[], list[list[Panel]]]] = {
     3: diagrams.viewpoint,
@@ -32,11 +32,11 @@ FIGURES: dict[int, Callable[[], list[list[Panel]]]] = {
 
 def main() -> None:
     """Make all figures, or those whose numbers are given."""
-    PICTURES.mkdir(parents=True, exist_ok=True)
+    IMAGES.mkdir(parents=True, exist_ok=True)
     for number in [int(word) for word in sys.argv[1:]] or FIGURES:
         rows = FIGURES[number]()
         if rows:
-            save(PICTURES / f"figure-{number:02}.webp", rows)
+            save(IMAGES / f"figure-{number:02}.webp", rows)
 
 
 if __name__ == "__main__":

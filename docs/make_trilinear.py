@@ -1,4 +1,4 @@
-"""Makes pictures and table of trilinear.md: `.venv/bin/python docs/make_trilinear.py`, or those of some figures."""
+"""Makes images and table of trilinear.md: `.venv/bin/python docs/make_trilinear.py`, or those of some figures."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from figures.panels import save
 from anamorph.base.output import whole_file
 
 PAGE = Path(__file__).resolve().parent / "trilinear.md"
-PICTURES = PAGE.parent / "pictures" / "trilinear"
+IMAGES = PAGE.parent / "images" / "trilinear"
 
 FIGURES: dict[str, Callable[[], Drawn]] = {
     "3.2": ray_triangle.parametric,
@@ -31,13 +31,13 @@ FIGURES: dict[str, Callable[[], Drawn]] = {
     "7.5": nonlinear.wavy,
     "7.6": nonlinear.refracted,
 }
-"""What makes each figure, by its number in the thesis; Figure 6.3 is in the picture of 6.4."""
+"""What makes each figure, by its number in the thesis; Figure 6.3 is in the image of 6.4."""
 
 
-def picture(figure: str) -> Path:
+def image(figure: str) -> Path:
     """Where a figure is kept."""
     chapter, place = figure.split(".")
-    return PICTURES / f"figure-{chapter}-{int(place):02}.webp"
+    return IMAGES / f"figure-{chapter}-{int(place):02}.webp"
 
 
 def renewed(page: str, rows: list[str]) -> str:
@@ -51,11 +51,11 @@ def renewed(page: str, rows: list[str]) -> str:
 
 def main() -> None:
     """Make all figures, or those whose numbers are given."""
-    PICTURES.mkdir(parents=True, exist_ok=True)
+    IMAGES.mkdir(parents=True, exist_ok=True)
     table: list[str] = []
     for figure in sys.argv[1:] or FIGURES:
         panels, rows = FIGURES[figure]()
-        save(picture(figure), panels)
+        save(image(figure), panels)
         table += rows
     page = renewed(PAGE.read_text(), table)
     with whole_file(PAGE) as file:

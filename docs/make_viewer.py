@@ -1,4 +1,4 @@
-"""Makes the pictures of viewer.md: `.venv/bin/python docs/make_viewer.py [--size WxH] [--folder FOLDER] [NAME ...]`.
+"""Makes the images of viewer.md: `.venv/bin/python docs/make_viewer.py [--size WxH] [--folder FOLDER] [NAME ...]`.
 
 The viewer itself runs on a canvas without a screen, and a hand does what is shown: it clicks, drags, turns the wheel
 and presses keys.
@@ -21,7 +21,7 @@ from viewer_hand import Hand
 from anamorph.base.output import whole_file
 from anamorph.viewer.starting import start_of
 
-PICTURES = Path(__file__).resolve().parent / "pictures" / "viewer"
+IMAGES = Path(__file__).resolve().parent / "images" / "viewer"
 NOTCH = 100.0
 """What a wheel tells of one of its steps."""
 
@@ -31,7 +31,7 @@ def as_opened(hand: Hand) -> None:
 
 
 def errors(hand: Hand) -> None:
-    """The error beside the truth, with the divider dragged a little to the right."""
+    """The error beside the reference, with the divider dragged a little to the right."""
     press(hand, "s", "2")
     hand.drag(hand.place(0.5, 0.2), hand.place(0.55, 0.2))
 
@@ -43,14 +43,14 @@ def turned(hand: Hand) -> None:
 
 
 def ground(hand: Hand) -> None:
-    """The lens made stronger, of denser glass, and held against the truth."""
+    """The lens made stronger, of denser glass, and held against the reference."""
     set_slider(hand, "lens/power", 0.15)
     set_slider(hand, "lens/index", 0.6)
     press(hand, "s")
 
 
 def status(hand: Hand) -> None:
-    """How each pixel got its value, beside the truth."""
+    """How each pixel got its value, beside the reference."""
     press(hand, "s", "3")
 
 
@@ -75,7 +75,7 @@ SHOTS: dict[str, tuple[str, str, Callable[[Hand], None]]] = {
     "outside": ("spectacles-minus", "pervertex", outside),
     "help": ("car-mirror", "pervertex", keys),
 }
-"""Scene, method and what is done of each picture."""
+"""Scene, method and what is done of each image."""
 
 
 def press(hand: Hand, *names: str) -> None:
@@ -91,7 +91,7 @@ def set_slider(hand: Hand, key: str, share: float) -> None:
         hand.send("wheel", x=right - 4.0, y=(top + bottom) / 2.0, dx=0.0, dy=float(np.copysign(NOTCH, y - top)))
         hand.draw(2)
     hand.click(*hand.widget(key, share))
-    # What is under a pointer at rest is explained over the picture.
+    # What is under a pointer at rest is explained over the image.
     hand.send("pointer_move", x=left, y=1.0, button=0)
     hand.settle()
 
@@ -113,10 +113,10 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("names", nargs="*", metavar="NAME", help=f"any of {', '.join(SHOTS)} (all)")
     parser.add_argument("--size", default="1280x720", help="of the canvas (1280x720)")
-    parser.add_argument("--folder", type=Path, default=PICTURES)
+    parser.add_argument("--folder", type=Path, default=IMAGES)
     arguments = parser.parse_args()
     if unknown := sorted(set(arguments.names) - SHOTS.keys()):
-        parser.error(f"no picture {', '.join(unknown)}; there are {', '.join(SHOTS)}")
+        parser.error(f"no image {', '.join(unknown)}; there are {', '.join(SHOTS)}")
     width, height = map(int, arguments.size.split("x"))
     arguments.folder.mkdir(parents=True, exist_ok=True)
     for name in arguments.names or SHOTS:

@@ -1,4 +1,4 @@
-"""How far two methods are from the ray-traced truth, and how long they take beside it."""
+"""How far two methods are from the ray-traced reference, and how long they take beside it."""
 
 from pathlib import Path
 

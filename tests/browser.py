@@ -110,7 +110,7 @@ class Tab:
         page.on("console", lambda message: self.complaints.append(message.text))
         page.on("pageerror", lambda error: self.complaints.append(str(error)))
 
-    def wait_for_picture(self) -> None:
+    def wait_for_image(self) -> None:
         self.page.wait_for_selector("img[src^='blob:']")
 
     def snapshot(self) -> dict[str, Any]:
@@ -127,7 +127,7 @@ class Tab:
 
         return wait_until(look, what)
 
-    def picture(self) -> np.ndarray:
+    def image(self) -> np.ndarray:
         """What is on the screen, (H, W, 3) uint8."""
         return np.asarray(Image.open(io.BytesIO(self.page.screenshot())).convert("RGB"))
 
@@ -169,7 +169,7 @@ class Tab:
 
     def _drawn_again(self) -> None:
         frames = self.snapshot()["frames"]
-        self.wait_until(lambda snapshot: snapshot["frames"] > frames + 1, "another picture")
+        self.wait_until(lambda snapshot: snapshot["frames"] > frames + 1, "another image")
 
 
 @contextmanager
@@ -188,6 +188,6 @@ def tab_of(browser: Any, viewer: Served, **context: Any) -> Iterator[Tab]:
     profile = browser.new_context(**{"viewport": {"width": 1000, "height": 640}, **context})
     tab = Tab(profile.new_page(), viewer.page)
     tab.page.goto(viewer.link)
-    tab.wait_for_picture()
+    tab.wait_for_image()
     yield tab
     profile.close()

@@ -1,4 +1,4 @@
-"""The errors of a frame once more, in plain numpy: a picture at a time, and singular values by LAPACK."""
+"""The errors of a frame once more, in plain numpy: an image at a time, and singular values by LAPACK."""
 
 from __future__ import annotations
 
@@ -29,10 +29,10 @@ def seen_directions(origins: np.ndarray, positions: np.ndarray, object_ids: np.n
     return normalized(toward)
 
 
-def errors_of(truth: Frame, frame: Frame, specular: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def errors_of(reference: Frame, frame: Frame, specular: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Angular errors in milliradians and errors in pixels, (H, W) each, of the pixels that count."""
-    through = np.where(specular, truth.specular.astype(np.int64), -1)
-    origin, direction = truth.ray_origin.astype(float), normalized(truth.ray_direction.astype(float))
+    through = np.where(specular, reference.specular.astype(np.int64), -1)
+    origin, direction = reference.ray_origin.astype(float), normalized(reference.ray_direction.astype(float))
     position, object_id = frame.position[specular], frame.object_id[specular]
     toward = seen_directions(origin[specular], position, object_id)
     angular, pixels = np.zeros((2, *specular.shape))
@@ -42,7 +42,7 @@ def errors_of(truth: Frame, frame: Frame, specular: np.ndarray) -> tuple[np.ndar
     distances[specular] = np.where((object_id == 0) | (along <= 0.0), np.inf, along)
     footprints = _footprints(origin, direction, through, distances)[specular]
     limit = float(np.linalg.norm(specular.shape))
-    pixels[specular] = _picture_distances(
+    pixels[specular] = _image_distances(
         origin[specular], direction[specular], toward, distances[specular], footprints, limit
     )
     return angular, pixels
@@ -56,7 +56,7 @@ def _angles(first: np.ndarray, second: np.ndarray) -> np.ndarray:
 
 
 def _footprints(origins: np.ndarray, directions: np.ndarray, surface: np.ndarray, distances: np.ndarray) -> np.ndarray:
-    """How the point at a distance along each pixel's last ray moves when one moves by one pixel in the picture."""
+    """How the point at a distance along each pixel's last ray moves when one moves by one pixel in the image."""
     infinite = ~np.isfinite(distances)
     weight = np.where(infinite, 1.0, distances)[..., None]
     footprints = np.zeros((*surface.shape, 3, 2))
@@ -87,7 +87,7 @@ def _neighbours(axis: int, ahead: bool) -> tuple[tuple[slice, slice], tuple[slic
     return ((here, slice(None)), (there, slice(None))) if axis == 0 else ((slice(None), here), (slice(None), there))
 
 
-def _picture_distances(
+def _image_distances(
     origins: np.ndarray,
     directions: np.ndarray,
     toward: np.ndarray,
@@ -95,7 +95,7 @@ def _picture_distances(
     footprints: np.ndarray,
     limit: float,
 ) -> np.ndarray:
-    """How far one must move in the picture for the truth to see another point, to first order, pixels."""
+    """How far one must move in the image for the truth to see another point, to first order, pixels."""
     along = np.einsum("ij,ij->i", directions, toward)
     across = toward - along[:, None] * directions
     sine = np.linalg.norm(across, axis=1)

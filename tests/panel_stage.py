@@ -44,10 +44,10 @@ class Stage:
         imgui.destroy_context(self._renderer.imgui_context)
 
     def frames(self, count: int = 1) -> np.ndarray:
-        """Draw; the last picture, (H, W, 4) uint8."""
+        """Draw; the last image, (H, W, 4) uint8."""
         for _ in range(count):
-            picture = np.asarray(self.canvas.draw())
-        return picture
+            image = np.asarray(self.canvas.draw())
+        return image
 
     def measure(self, texts: Iterable[str]) -> dict[str, float]:
         """How wide texts are in the panel's font."""

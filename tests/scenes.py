@@ -98,7 +98,7 @@ def drawn(scene: Scene, specification: str, size: tuple[int, int] = SIZE, camera
 
 
 def pixels_of(camera: Camera, size: tuple[int, int], points: np.ndarray) -> np.ndarray:
-    """Picture coordinates (..., 2) of world points, by similar triangles, float64."""
+    """Image coordinates (..., 2) of world points, by similar triangles, float64."""
     across, up, depth = np.moveaxis((np.asarray(points, float) - camera.position) @ camera.axes().T, -1, 0)
     focal = size[1] / (2.0 * np.tan(np.radians(camera.field_of_view) / 2.0))
     return np.stack([size[0] / 2.0 + focal * across / depth, size[1] / 2.0 - focal * up / depth], axis=-1)

@@ -25,7 +25,7 @@ from anamorph.scene.model import AmbientLight, Diffuse, Mirror, Scene, Texture
 CAMERA = Camera((0.0, 0.0, 3.0), (0.0, 0.0, 0.0), field_of_view=40.0)
 SIZE = (80, 60)
 TESTED = {
-    "World frame", "Camera", "Picture", "Clip space", "Matrices", "Texture coordinates", "Colours", "Triangles",
+    "World frame", "Camera", "Image", "Clip space", "Matrices", "Texture coordinates", "Colours", "Triangles",
     "Normals", "Ray directions", "Refraction", "Lenses", "Turning", "Curvature", "Objects", "Sky pixels", "Precision",
     "Shapes", "Angles", "Failure",
 }  # fmt: skip
@@ -60,7 +60,7 @@ def test_world_and_camera_are_right_handed_with_y_up(frame):
     askew = Camera((1.0, 2.0, 3.0), (-2.0, 0.5, 1.0), (0.2, 1.0, 0.1)).axes()
     assert askew @ askew.T == pytest.approx(np.eye(3), abs=1e-12)
     assert np.linalg.det(askew) == pytest.approx(-1.0), "right x up is backward"
-    # In the drawn picture +x is on the right and +y above.
+    # In the drawn image +x is on the right and +y above.
     seen = frame.object_id == 1
     assert (frame.position[:, 40:][seen[:, 40:]][:, 0] > 0).all()
     assert (frame.position[:30][seen[:30]][:, 1] > 0).all()
@@ -107,9 +107,9 @@ def test_matrices_act_on_columns_and_are_transposed_for_the_device():
 def test_textures_begin_at_the_top_left_and_repeat(method):
     lights = (AmbientLight((1, 1, 1), (1, 1, 1)),)
     red, green, blue, white = np.array([[1, 0, 0], [0, 1, 0], [0, 0, 1], [1, 1, 1]])
-    picture = drawn(Scene("quad", (quad(),), CAMERA, lights), method, SIZE).color
+    image = drawn(Scene("quad", (quad(),), CAMERA, lights), method, SIZE).color
     for (row, column), color in {(15, 25): red, (15, 55): green, (45, 25): blue, (45, 55): white}.items():
-        assert picture[row, column] == pytest.approx(color, abs=2e-3)
+        assert image[row, column] == pytest.approx(color, abs=2e-3)
     twice = drawn(Scene("quad", (quad(2.0),), CAMERA, lights), method, SIZE).color
     for row, column in [(12, 22), (12, 43), (33, 22), (33, 43)]:
         assert twice[row, column] == pytest.approx(red, abs=2e-2)
@@ -186,12 +186,12 @@ def test_sky_pixels_hold_the_unit_direction_that_is_seen(method):
     assert (frame.position[mirrored][:, 2] > 0.5).all(), "a mirror that faces +z shows the sky over +z"
 
 
-def test_pictures_are_float32_and_optics_float64(frame):
+def test_images_are_float32_and_optics_float64(frame):
     assert frame.color.dtype == frame.position.dtype == np.float32
     scene = scene_with(spherical_mirror())
     assert scene.meshes[0].positions.dtype == np.float32
     rays = reflected_rays(reflector(scene.meshes[0]), scene.camera.eye(SIZE))
-    assert rays.origins.dtype == rays.directions.dtype == rays.picture.dtype == np.float64
+    assert rays.origins.dtype == rays.directions.dtype == rays.image.dtype == np.float64
     assert rays.origins.shape == rays.directions.shape == (81, 3)
     assert scene.camera.directions(np.zeros((4, 5, 2)), SIZE).dtype == np.float64
 

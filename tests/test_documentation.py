@@ -1,4 +1,4 @@
-"""What the pages say is true: programs and commands run, links and pictures are there, names are those of the code."""
+"""What the pages say is true: programs and commands run, links and images are there, names are those of the code."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ from anamorph.viewer.starting import Start
 
 ROOT = Path(__file__).resolve().parents[1]
 PAGES = sorted([*ROOT.glob("*.md"), *ROOT.glob("docs/*.md")])
-PICTURES = sorted(path for path in (ROOT / "docs" / "pictures").rglob("*") if path.is_file())
+IMAGES = sorted(path for path in (ROOT / "docs" / "images").rglob("*") if path.is_file())
 EXAMPLES = sorted((ROOT / "examples").glob("*.py"))
 
 SMALL = ("--size", "64x48")
@@ -137,13 +137,13 @@ def test_every_link_leads_somewhere(page):
         assert not heading or heading in headings(target), f"{page.name}: {link}"
 
 
-def test_every_picture_is_shown_and_all_are_small():
+def test_every_image_is_shown_and_all_are_small():
     shown = {(page.parent / link).resolve() for page in PAGES for link in links(page)}
-    assert set(PICTURES) <= shown
-    sizes = {picture: picture.stat().st_size for picture in PICTURES}
+    assert set(IMAGES) <= shown
+    sizes = {image: image.stat().st_size for image in IMAGES}
     assert max(sizes.values()) < 250_000
-    for folder in {picture.parent for picture in PICTURES}:
-        assert sum(size for picture, size in sizes.items() if picture.parent == folder) < 1_200_000
+    for folder in {image.parent for image in IMAGES}:
+        assert sum(size for image, size in sizes.items() if image.parent == folder) < 1_200_000
 
 
 def test_the_papers_figures_are_all_there_each_with_its_section_and_module():
@@ -151,7 +151,7 @@ def test_the_papers_figures_are_all_there_each_with_its_section_and_module():
     parts = {int(number): part for number, part in re.findall(r"^## Figure (\d+):(.*?)(?=^## |\Z)", text, re.M | re.S)}
     assert sorted(parts) == list(range(3, 17))
     for number, part in parts.items():
-        assert f"(pictures/pvrr/figure-{number:02}.webp)" in part
+        assert f"(images/pvrr/figure-{number:02}.webp)" in part
         assert re.search(r"^Sections? \d", part, re.M) and "(../src/anamorph/" in part
 
 
@@ -200,7 +200,7 @@ def test_the_theses_figures_are_all_there(thesis):
     wanted = ["3.2", *(f"4.{k}" for k in range(1, 11)), "5.1", "6.4", "6.7", "6.9", "7.4", "7.5", "7.6"]
     assert list(thesis["FIGURES"]) == wanted
     for figure in wanted:
-        path = thesis["picture"](figure).relative_to(ROOT / "docs")
+        path = thesis["image"](figure).relative_to(ROOT / "docs")
         assert f"({path})" in text
         assert (ROOT / "docs" / path).exists()
 

@@ -41,7 +41,7 @@ OTHERS_OWN = {
     "_process_events": "rendercanvas: what its event loop calls",
     "_draw_frame": "rendercanvas: who draws on a canvas",
     "_canvas_context": "rendercanvas: whether a canvas has been drawn on",
-    "_rfb_draw_requested": "rendercanvas: whether a page is to be sent a picture",
+    "_rfb_draw_requested": "rendercanvas: whether a page is to be sent an image",
     "_rfb_handle_msg": "rendercanvas: what a page says to a widget",
     "_css_width": "rendercanvas: the trait of a widget that pages read",
     "_css_height": "rendercanvas: the trait of a widget that pages read",

@@ -32,11 +32,11 @@ def test_every_public_name_is_there():
 def test_by_name_and_saved(tmp_path):
     frame = an.render("flat-mirror", method="pervertex", size=SIZE)
     frame.save(tmp_path / "mirror.png")
-    picture = np.asarray(Image.open(tmp_path / "mirror.png").convert("RGB"))
-    assert picture.shape == (SIZE[1], SIZE[0], 3)
+    image = np.asarray(Image.open(tmp_path / "mirror.png").convert("RGB"))
+    assert image.shape == (SIZE[1], SIZE[0], 3)
     linear = np.clip(frame.color, 0.0, 1.0)
     encoded = np.where(linear <= 0.0031308, linear * 12.92, 1.055 * linear ** (1 / 2.4) - 0.055) * 255.0
-    assert picture == pytest.approx(encoded, abs=0.51)
+    assert image == pytest.approx(encoded, abs=0.51)
     assert frame.position is None
 
 
@@ -136,5 +136,5 @@ def test_what_a_user_can_mend_is_one_line(arguments, said):
 
 
 def test_a_scene_without_mirrors_is_a_scene():
-    frame = an.render(an.Scene("matt", surroundings(), CAMERA), size=SIZE, seen=True)
+    frame = an.render(an.Scene("diffuse", surroundings(), CAMERA), size=SIZE, seen=True)
     assert (frame.specular == 0).all() and frame.color.max() > 0.1

@@ -17,23 +17,23 @@ SIZE = (200, 160)
 RAYS = [
     "any", "pinhole", "parallel", "crossing", "opposed", "two alike", "in a plane", "far away", "short and long",
 ]  # fmt: skip
-PICTURES = ["any", "weighted", "behind the eye", "thin", "small", "large", "beside the picture", "flat"]
+IMAGES = ["any", "weighted", "behind the eye", "thin", "small", "large", "beside the image", "flat"]
 TRIANGLES = ["any", "huge", "tiny", "thin", "point", "line", "through the origins", "edge-on"]
 
 
 class RayTriangles(NamedTuple):
-    """K ray triangles: the rows of their corners' homogeneous pictures, origins and directions, (K, 3, 3) each."""
+    """K ray triangles: the rows of their corners' homogeneous images, origins and directions, (K, 3, 3) each."""
 
-    picture: np.ndarray
+    image: np.ndarray
     origins: np.ndarray
     directions: np.ndarray
 
 
 class Meeting(NamedTuple):
-    """What the rays of Q picture points meet of M triangles."""
+    """What the rays of Q image points meet of M triangles."""
 
     own: np.ndarray
-    """(Q,) bool: the points that are in the ray triangle's part of the picture."""
+    """(Q,) bool: the points that are in the ray triangle's part of the image."""
     t: np.ndarray
     """(Q, M)"""
     weights: np.ndarray
@@ -51,7 +51,7 @@ class Meeting(NamedTuple):
         return (np.abs(self.slant) > 1e-9) & (np.abs(self.t - near) > 1e-9)
 
 
-def ray_triangle(rays: str, picture: str, random: np.random.Generator) -> RayTriangles:
+def ray_triangle(rays: str, image: str, random: np.random.Generator) -> RayTriangles:
     """One, (1, 3, 3)."""
     o = random.normal(size=(3, 3))
     d = random.normal(size=(3, 3)) * 0.4 + [0.0, 0.0, 1.0]
@@ -77,20 +77,20 @@ def ray_triangle(rays: str, picture: str, random: np.random.Generator) -> RayTri
     elif rays == "short and long":
         d *= 10.0 ** random.uniform(-4, 4, (3, 1))
     place = random.uniform(0.0, 1.0, (3, 2)) * SIZE
-    if picture == "thin":
+    if image == "thin":
         place[2] = 0.5 * (place[0] + place[1]) + random.normal(size=2) * 10.0 ** random.uniform(-2, 0)
-    elif picture == "small":
+    elif image == "small":
         place = place[0] + random.normal(size=(3, 2))
-    elif picture == "large":
+    elif image == "large":
         place = (place - 100.0) * 30.0
-    elif picture == "beside the picture":
+    elif image == "beside the image":
         place += [3.0 * SIZE[0], 0.0]
-    elif picture == "flat":
+    elif image == "flat":
         place[2] = 0.3 * place[0] + 0.7 * place[1]
     w = np.ones((3, 1))
-    if picture == "weighted":
+    if image == "weighted":
         w = 10.0 ** random.uniform(-2, 2, (3, 1))
-    elif picture == "behind the eye":
+    elif image == "behind the eye":
         w = random.uniform(0.2, 2.0, (3, 1)) * random.permutation([1.0, random.choice([-1.0, 1.0]), -1.0])[:, None]
     return RayTriangles(np.concatenate([place * w, w], axis=1)[None], o[None], d[None])
 
@@ -98,10 +98,10 @@ def ray_triangle(rays: str, picture: str, random: np.random.Generator) -> RayTri
 def scene_triangles(
     kind: str, rays: RayTriangles, count: int, random: np.random.Generator
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Triangles (count, 3, 3) that rays of the first ray triangle meet, and picture points (Q, 2) of such rays."""
+    """Triangles (count, 3, 3) that rays of the first ray triangle meet, and image points (Q, 2) of such rays."""
     o, d = rays.origins[0], rays.directions[0]
-    # Rays that the picture shows: those of corners behind the eye weigh less.
-    weights = random.dirichlet([1.0] * 3, count) * np.where(rays.picture[0, :, 2] > 0.0, 1.0, 0.05)
+    # Rays that the image shows: those of corners behind the eye weigh less.
+    weights = random.dirichlet([1.0] * 3, count) * np.where(rays.image[0, :, 2] > 0.0, 1.0, 0.05)
     weights /= weights.sum(axis=1, keepdims=True)
     along = weights @ d
     points = weights @ o + random.exponential(2.0, (count, 1)) * along
@@ -124,15 +124,15 @@ def scene_triangles(
         # In a plane that has one of the rays in it.
         offsets[:, 1] = random.normal(size=(count, 1)) * along
         offsets[:, 2] = -offsets[:, 0] + random.normal(size=(count, 1)) * along
-    homogeneous = weights @ rays.picture[0]
+    homogeneous = weights @ rays.image[0]
     places = homogeneous[:, :2] / np.where(homogeneous[:, 2:] > 0.0, homogeneous[:, 2:], np.nan)
     return points[:, None] + offsets, places[((places >= 0.0) & (places <= SIZE)).all(axis=1)]
 
 
-def picture_points(rays: RayTriangles, count: int, random: np.random.Generator) -> np.ndarray:
-    """Points (count, 2) of the picture, those in the ray triangle's part of it and others."""
+def image_points(rays: RayTriangles, count: int, random: np.random.Generator) -> np.ndarray:
+    """Points (count, 2) of the image, those in the ray triangle's part of it and others."""
     weights = random.dirichlet([0.7] * 3, 20 * count)
-    homogeneous = weights @ rays.picture[0]
+    homogeneous = weights @ rays.image[0]
     places = homogeneous[:, :2] / np.where(homogeneous[:, 2:] > 1e-6, homogeneous[:, 2:], np.nan)
     shown = places[((places >= 0.0) & (places <= SIZE)).all(axis=1)]
     return np.concatenate([shown[:count], random.uniform(0.0, 1.0, (count - len(shown[:count]), 2)) * SIZE])
@@ -140,7 +140,7 @@ def picture_points(rays: RayTriangles, count: int, random: np.random.Generator) 
 
 def meet(rays: RayTriangles, triangles: np.ndarray, points: np.ndarray) -> Meeting:
     """What the first ray triangle's rays at points (Q, 2) meet of triangles (M, 3, 3), in extended precision."""
-    corners = rays.picture[0].astype(np.longdouble)
+    corners = rays.image[0].astype(np.longdouble)
     cofactors = np.cross(np.roll(corners, -1, axis=0), np.roll(corners, -2, axis=0))
     determinant = np.vecdot(corners[0], cofactors[0])
     homogeneous = np.column_stack([points, np.ones(len(points))]).astype(np.longdouble)
@@ -178,7 +178,7 @@ def planned(
     tree = make_tree(triangles)
     group = np.zeros(len(triangles), np.int32) if group is None else group
     if own is None:
-        count = len(rays.picture)
+        count = len(rays.image)
         own = Own(np.full(count, -1, np.int32), np.full(count, -1, np.int32), np.full(count, ALL, np.int32))
     own = Own(*(each[beams.number] for each in own))
     return beams, drain((planner or Planner()).planning(beams, tree, group, own))
@@ -198,7 +198,7 @@ def evaluated(terms: np.ndarray, places: np.ndarray) -> tuple[np.ndarray, np.nda
 
 def magnitudes(rays: RayTriangles, triangle: np.ndarray, beams: Beams, places: np.ndarray) -> np.ndarray:
     """What the five functions of the first ray triangle and a scene triangle are the small differences of, (Q, 5)."""
-    inverse = np.linalg.inv(rays.picture[0])
+    inverse = np.linalg.inv(rays.image[0])
     inverse[2] += beams.center[0] @ inverse[:2]
     inverse /= np.abs(inverse[2]).sum()
     weight = (np.abs(np.column_stack([places, np.ones(len(places))])) @ np.abs(inverse)).sum(axis=1)

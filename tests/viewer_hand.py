@@ -12,7 +12,7 @@ from anamorph.files.scene_file import Settings
 from anamorph.files.view_file import Opened
 from anamorph.scene.model import Scene
 from anamorph.viewer.application import Later, Viewer
-from anamorph.viewer.layout import picture_area
+from anamorph.viewer.layout import image_area
 from anamorph.viewer.starting import Start
 from anamorph.viewer.state import State
 
@@ -71,8 +71,8 @@ class Hand:
         self.draw(2)
 
     def place(self, x: float, y: float) -> tuple[float, float]:
-        """On the canvas, from shares of the picture's width and height."""
-        left, top, right, bottom = picture_area(self.canvas.get_logical_size(), self.viewer.state.panel)
+        """On the canvas, from shares of the image's width and height."""
+        left, top, right, bottom = image_area(self.canvas.get_logical_size(), self.viewer.state.panel)
         return left + x * (right - left), top + y * (bottom - top)
 
     def widget(self, key: str, share: float = 0.5) -> tuple[float, float]:

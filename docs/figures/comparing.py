@@ -74,7 +74,7 @@ def pixels(frame: an.Frame) -> np.ndarray:
 def p95_of_things(reference: an.Frame, errors: Errors) -> float:
     """The 95th percentile of errors in pixels where a thing is seen, away from silhouettes.
 
-    Not of the sky: through parallel rays it has one colour in many pixels, and its place in the picture is no measure.
+    Not of the sky: through parallel rays it has one colour in many pixels, and its place in the image is no measure.
     """
     assert reference.object_id is not None
     things = errors.maps.specular & ~errors.maps.silhouette & (reference.object_id > 0)

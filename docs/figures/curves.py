@@ -35,7 +35,7 @@ TWIST = 0.8
 BORDER_SEED = 5
 """Of the scene triangle and the directions in Figure 5.1."""
 TRIANGLE = np.array([[0.0, np.sqrt(0.75)], [1.0, np.sqrt(0.75)], [0.5, 0.0]])
-"""A ray triangle in the picture."""
+"""A ray triangle in the image."""
 
 
 def triangle_scene(name: str, corners: np.ndarray, colors: np.ndarray) -> an.Scene:
@@ -54,14 +54,14 @@ def triangle_scene(name: str, corners: np.ndarray, colors: np.ndarray) -> an.Sce
 
 @dataclass(frozen=True, eq=False)
 class Single:
-    """An example in a picture.
+    """An example in an image.
 
     Parameters
     ----------
     example : Example
     scene : Scene
     places : (3, 2) float64
-        Where the ray triangle's corners are, pixels; not all of it need be in the picture.
+        Where the ray triangle's corners are, pixels; not all of it need be in the image.
     size : (width, height)
     """
 
@@ -73,21 +73,21 @@ class Single:
     @property
     def rays(self) -> RayMesh:
         """The ray triangle as a camera."""
-        picture = np.column_stack([self.places, np.ones(3)])
+        image = np.column_stack([self.places, np.ones(3)])
         faces, status = np.array([[0, 1, 2]], np.int32), np.zeros(3, np.uint8)
-        return RayMesh(picture, self.example.origins, self.example.directions, faces, status)
+        return RayMesh(image, self.example.origins, self.example.directions, faces, status)
 
     def draw(self, method: str) -> an.Frame:
         """All buffers."""
         return an.render(self.scene, camera=self.rays, method=method, size=self.size, seen=True)
 
     def at(self, u: np.ndarray, v: np.ndarray) -> np.ndarray:
-        """Where rays are in the picture as it is shown, (N, 2) pixels."""
+        """Where rays are in the image as it is shown, (N, 2) pixels."""
         return np.stack([1.0 - u - v, u, v], axis=-1) @ self.places / FINE
 
 
 def single(label: str) -> Single:
-    """An example in a picture of `FINE` times the size at which it is shown, close enough to be looked at."""
+    """An example in an image of `FINE` times the size at which it is shown, close enough to be looked at."""
     shown = example(label)
     scene = triangle_scene(f"({label})", shown.corners, np.eye(3))
     size = (THIRD[0] * FINE, THIRD[1] * FINE)
@@ -103,7 +103,7 @@ def single(label: str) -> Single:
 
 
 def inside(shown: Single, places: np.ndarray) -> np.ndarray:
-    """Which places of the drawn picture are in the ray triangle, (N,) bool."""
+    """Which places of the drawn image are in the ray triangle, (N,) bool."""
     rows = np.column_stack([shown.places, np.ones(3)])
     weights = np.column_stack([places, np.ones(len(places))]) @ np.linalg.inv(rows)
     return (weights >= 0.0).all(axis=1)

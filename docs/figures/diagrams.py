@@ -59,15 +59,15 @@ def viewpoint() -> list[list[Panel]]:
     }
     panels = []
     for words, camera in views.items():
-        picture = dg.drawing("viewpoint", meshes, camera)
+        image = dg.drawing("viewpoint", meshes, camera)
         at = places(
-            picture.camera, SIZE, eye=eye, point=point, mirror=rays.origins[rays.origins[:, :2].sum(axis=1).argmax()]
+            image.camera, SIZE, eye=eye, point=point, mirror=rays.origins[rays.origins[:, :2].sum(axis=1).argmax()]
         )
         x, y = at["eye"]
         u, v = at["point"]
         labels = [("eye", (x, y - 14), "mb"), ("virtual viewpoint", (u + 8, v + 26), "lt")]
         labels.append(("mirror", (at["mirror"][0] + 10, at["mirror"][1] - 10), "lb"))
-        panels.append(Panel(labelled(draw(picture, size=SIZE), labels), words))
+        panels.append(Panel(labelled(draw(image, size=SIZE), labels), words))
     key = "blue: the eye's rays    teal: reflected rays    orange: their lines behind the mirror"
     panels[0] = replace(panels[0], caption=f"{panels[0].caption}\n{key}")
     return [panels]

@@ -86,8 +86,8 @@ def continuity_of_two() -> list[list[Panel]]:
     options = Options(field=30.0)
     found = warps(scene, LARGE, options)
     errors = continuity(View(scene, scene.camera, LARGE), options)
-    picture = draw(scene, f"{WARP},field=30", LARGE)
-    dots = picture.copy()
+    image = draw(scene, f"{WARP},field=30", LARGE)
+    dots = image.copy()
     rows, columns = np.ogrid[: dots.shape[0], : dots.shape[1]]
     for (x, y), pixels in zip(errors.places, errors.pixels, strict=True):
         away = (columns + 0.5 - x) ** 2 + (rows + 0.5 - y) ** 2
@@ -102,7 +102,7 @@ def continuity_of_two() -> list[list[Panel]]:
     ]
     return [
         [
-            Panel(cropped(picture, (0, 0, *LARGE), HALF, smooth=True), "two patches with a map each"),
+            Panel(cropped(image, (0, 0, *LARGE), HALF, smooth=True), "two patches with a map each"),
             Panel(cropped(dots, (0, 0, *LARGE), HALF, smooth=True), words),
         ],
         [
@@ -118,7 +118,7 @@ def _typical(name: str, options: Options | None = None) -> str:
     """The continuity error of a scene in words."""
     scene = gallery.make(name)
     errors = continuity(View(scene, scene.camera, LARGE), options)
-    found = errors.in_picture
+    found = errors.in_image
     return f"median {found.median:.2f}, {100.0 * (errors.pixels < 1.0).mean():.0f}% < 1"
 
 
@@ -145,14 +145,14 @@ def curvature() -> list[list[Panel]]:
 def alignment() -> list[list[Panel]]:
     """Figure 10: the map of a saddle whose axes follow the principal directions of the rays, and one whose do not."""
     scene = gallery.make("saddle")
-    truth = an.render(scene, method="raytrace", size=LARGE, seen=True)
+    reference = an.render(scene, method="raytrace", size=LARGE, seen=True)
     maps = []
     for align, words in ((False, "upright"), (True, "aligned")):
         # One map for the whole saddle, as in the paper.
         options = Options(field=150.0, align=align)
         warp = warps(scene, LARGE, options)[0]
         frame = an.render(scene, method="pervertex", size=LARGE, seen=True, field=150.0, align=align)
-        error = measure(truth, frame).pixels
+        error = measure(reference, frame).pixels
         height, width = warp.map.shape[:2]
         caption = f"{words}: {width} x {height} texels, {100.0 * warp.plan.used:.0f}% used;"
         caption += f"\nerror {error.median:.3f} px (median), {error.p95:.2f} px (95%)"
@@ -163,15 +163,15 @@ def alignment() -> list[list[Panel]]:
 def two_bounces() -> list[list[Panel]]:
     """Figure 11: the town in the windows of cars, and these in the door mirror."""
     box = (400, 300, 400 + 240, 300 + 180)
-    whole, truth = draw("car-windows", size=LARGE), draw("car-windows", "raytrace", LARGE, 3)
+    whole, reference = draw("car-windows", size=LARGE), draw("car-windows", "raytrace", LARGE, 3)
     return [
         [
             Panel(cropped(outlined(whole, box, 4), (0, 0, *LARGE), HALF, smooth=True), "per-vertex"),
-            Panel(cropped(truth, (0, 0, *LARGE), HALF, smooth=True), "truth"),
+            Panel(cropped(reference, (0, 0, *LARGE), HALF, smooth=True), "truth"),
         ],
         [
             Panel(cropped(whole, box, HALF), "enlarged: town, window, mirror"),
-            Panel(cropped(truth, box, HALF), "truth, enlarged"),
+            Panel(cropped(reference, box, HALF), "truth, enlarged"),
         ],
     ]
 
@@ -179,15 +179,15 @@ def two_bounces() -> list[list[Panel]]:
 def occlusion() -> list[list[Panel]]:
     """Figure 16: what stands between the virtual viewpoint and what a ray hits, and hides it though the ray passes."""
     scene = _with_rod(one_mirror(4.0))
-    truth = an.render(scene, method="raytrace", size=LARGE, seen=True)
+    reference = an.render(scene, method="raytrace", size=LARGE, seen=True)
     # One map for the whole mirror, as in the paper.
     plain = an.render(scene, method="pervertex:field=150", size=LARGE, seen=True)
     mended = an.render(scene, method="pervertex:field=150", size=LARGE, seen=True, tolerance=0.5)
-    wrong = measure(truth, plain).maps.other_object
-    still = measure(truth, mended).maps.other_object
-    assert truth.specular is not None and mended.status is not None
-    mirror = truth.specular > 0
-    grey = to_pixels(truth.color).mean(axis=2, keepdims=True).repeat(3, axis=2) * 0.4 + 140.0
+    wrong = measure(reference, plain).maps.other_object
+    still = measure(reference, mended).maps.other_object
+    assert reference.specular is not None and mended.status is not None
+    mirror = reference.specular > 0
+    grey = to_pixels(reference.color).mean(axis=2, keepdims=True).repeat(3, axis=2) * 0.4 + 140.0
     errors, traced = grey.astype(np.uint8), grey.astype(np.uint8)
     errors[wrong] = (200, 30, 20)
     traced[mirror & (mended.status == an.Status.TRACED)] = (230, 140, 10)

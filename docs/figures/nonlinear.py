@@ -60,7 +60,7 @@ def mapping() -> Drawn:
 
 
 def series(figure: str, original: an.Frame, drawn: dict[int, tuple[an.Scene, RayMesh | None]]) -> Drawn:
-    """Figures 7.4 and 7.6: (a) the truth, then (b) to (f) by ray meshes of 1 x 1 to 5 x 5 quads."""
+    """Figures 7.4 and 7.6: (a) the reference, then (b) to (f) by ray meshes of 1 x 1 to 5 x 5 quads."""
     panels = [Panel(shrunk(pixels(original), THIRD), "(a): rays bent at every pixel")]
     table = []
     for letter, (quads, (scene, rays)) in zip("bcdef", drawn.items(), strict=True):

@@ -1,4 +1,4 @@
-"""Pictures side by side with words under them, as one figure of a page."""
+"""Images side by side with words under them, as one figure of a page."""
 
 from __future__ import annotations
 
@@ -77,7 +77,7 @@ def labelled(pixels: np.ndarray, labels: Sequence[tuple[str, tuple[float, float]
 def lined(
     pixels: np.ndarray, segments: np.ndarray, color: tuple[int, int, int], width: int = 1, scale: int = 4
 ) -> np.ndarray:
-    """Pixels with smooth straight lines between picture points, `segments` (N, 2, 2)."""
+    """Pixels with smooth straight lines between image points, `segments` (N, 2, 2)."""
     height, across = pixels.shape[:2]
     mask = Image.new("L", (across * scale, height * scale))
     draw = ImageDraw.Draw(mask)
@@ -108,11 +108,11 @@ def shrunk(pixels: np.ndarray, size: tuple[int, int]) -> np.ndarray:
 
 
 def draw(scene: an.Scene | str, method: str = WARP, size: tuple[int, int] = HALF, samples: int = 3) -> np.ndarray:
-    """A smooth picture as pixels."""
+    """A smooth image as pixels."""
     return to_pixels(an.render(scene, method=method, size=size, samples=samples).color)
 
 
 def places(camera: an.Camera, size: tuple[int, int], **points: np.ndarray) -> dict[str, tuple[float, float]]:
-    """Where points (3,) of the world are in the picture."""
-    rows = camera.picture(np.array(list(points.values())), size)
+    """Where points (3,) of the world are in the image."""
+    rows = camera.image(np.array(list(points.values())), size)
     return {name: (float(x / w), float(y / w)) for name, (x, y, w) in zip(points, rows, strict=True)}

@@ -45,13 +45,13 @@ def dispersion() -> list[list[Panel]]:
     """Figure 15: a convex lens whose index is 1.60 for red light and 1.62 for blue."""
     scene, words = chromatic()
     size, box = (1900, 1424), (560, 170, 560 + 475, 170 + 356)
-    fringed, truth = draw(scene, size=size, samples=1), draw(scene, "raytrace", size, samples=2)
+    fringed, reference = draw(scene, size=size, samples=1), draw(scene, "raytrace", size, samples=2)
     whole = cropped(outlined(fringed, box, 9), (0, 0, *size), HALF, smooth=True)
     return [
         [Panel(whole, words), Panel(draw(scene, "raytrace:dispersion=false"), "truth with one index")],
         [
             Panel(cropped(fringed, box, HALF), "per-vertex, enlarged"),
-            Panel(cropped(truth, box, HALF), "truth, enlarged"),
+            Panel(cropped(reference, box, HALF), "truth, enlarged"),
         ],
     ]
 

@@ -1,4 +1,4 @@
-"""What per-vertex drawing makes on its way to a picture: patches, plans and maps, for figures that show them."""
+"""What per-vertex drawing makes on its way to an image: patches, plans and maps, for figures that show them."""
 
 from __future__ import annotations
 
@@ -66,17 +66,17 @@ class Warp:
 def warps(scene: an.Scene, size: tuple[int, int], options: Options | None = None) -> list[Warp]:
     """Plan and draw the maps of all patches that the scene's camera sees directly."""
     stage = Stage(View(scene, scene.camera, size))
-    picture = PerVertexDrawing(stage, options or Options()).plan(scene.camera)
-    if picture is None:
+    image = PerVertexDrawing(stage, options or Options()).plan(scene.camera)
+    if image is None:
         return []
-    atlas = picture.level.atlas
+    atlas = image.level.atlas
     encoder = get_device().create_command_encoder()
     atlas.draw(encoder, stage.buffers, MapKind.COLOR)
     submit(encoder)
     texels = to_pixels(read_texture(atlas.color)[..., :3].astype(np.float32))
     rectangles = iter(projection[-4:].astype(int) for projection in atlas.projections)
     found = []
-    for seen in picture.seen:
+    for seen in image.seen:
         name = scene.meshes[seen.body.meshes[0]].name
         for faces, plan in zip(seen.patches, seen.plans, strict=True):
             (width, height, x, y), *_ = [next(rectangles) for _ in plan.projections]

@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from anamorph.base.errors import AnamorphError
-from anamorph.base.output import save_picture
+from anamorph.base.output import save_image
 from anamorph.raymesh import RayMesh
 from anamorph.scene.camera import Camera
 from anamorph.scene.model import Scene
@@ -37,11 +37,11 @@ class View:
     ----------
     scene : Scene
     camera : Camera or RayMesh
-        A ray mesh is itself the whole picture: what none of its triangles covers is black, with `Status.OUTSIDE`.
+        A ray mesh is itself the whole image: what none of its triangles covers is black, with `Status.OUTSIDE`.
     size : (width, height)
         Pixels.
     samples : int
-        The picture averages samples x samples shifted pictures; the seen buffers are those of pixel centres.
+        The image averages samples x samples shifted images; the seen buffers are those of pixel centres.
     """
 
     scene: Scene
@@ -50,16 +50,16 @@ class View:
     samples: int = 1
 
     @property
-    def pinhole(self) -> Camera:
+    def pinhole_camera(self) -> Camera:
         """The camera, for what can only see from one point."""
         if isinstance(self.camera, RayMesh):
-            raise AnamorphError("camera: is a ray mesh, and what is asked for needs a pinhole; give a Camera")
+            raise AnamorphError("camera: is a ray mesh, and what is asked for needs a pinhole camera; give a Camera")
         return self.camera
 
 
 @dataclass(frozen=True, eq=False)
 class Frame:
-    """A picture, and on request what each of its pixels sees.
+    """An image, and on request what each of its pixels sees.
 
     Parameters
     ----------
@@ -96,5 +96,5 @@ class Frame:
     figures: Mapping[str, float] = field(default_factory=dict)
 
     def save(self, path: str | Path) -> None:
-        """Write the picture, whole or not at all, in the format that the suffix of `path` names."""
-        save_picture(Path(path), self.color)
+        """Write the image, whole or not at all, in the format that the suffix of `path` names."""
+        save_image(Path(path), self.color)

@@ -1,4 +1,4 @@
-"""Projections onto a picture: the eye's pinhole, and a map seen from any point, the point at infinity included.
+"""Projections onto an image: the eye's pinhole, and a map seen from any point, the point at infinity included.
 
 A map's viewpoint V is given relative to its image plane. With Z the height over that plane, and k = 1 / L for a
 viewpoint at distance L behind it, a point (X, Y, Z) projects to (X + a Z, Y + b Z) / (1 + k Z), where (a, b) is the
@@ -16,14 +16,14 @@ from anamorph.scene.camera import Camera
 
 @dataclass(frozen=True, eq=False)
 class Projection:
-    """How world points reach clip space, and which way each picture point looks.
+    """How world points reach clip space, and which way each image point looks.
 
     Parameters
     ----------
     clip : (4, 4) float64
         World to clip space; depth is reversed, 1 on the near plane.
     base, right, up : (3,) float64
-        The picture point (x, y), each in -1 to 1, looks along base + x right + y up (not unit).
+        The image point (x, y), each in -1 to 1, looks along base + x right + y up (not unit).
     eye : (3,) float64
         The eye; for a map, its image plane's centre.
     """
@@ -35,7 +35,7 @@ class Projection:
     eye: np.ndarray
 
     def uniform(self, size: tuple[int, int], corner: tuple[int, int] = (0, 0)) -> np.ndarray:
-        """The shader's `Projection` structure, as float32, for a picture of `size` whose first pixel is at `corner`."""
+        """The shader's `Projection` structure, as float32, for an image of `size` whose first pixel is at `corner`."""
         width, height = size
         # The angle of one pixel, by which the sky is filtered.
         spread = 2.0 * np.linalg.norm(self.up) / (np.linalg.norm(self.base) * height)
@@ -59,7 +59,7 @@ UNIFORM_BYTES = 4 * (16 + 16 + 5 * 4)
 
 
 def pinhole_projection(eye: np.ndarray, base: np.ndarray, right: np.ndarray, up: np.ndarray, near: float) -> Projection:
-    """A pinhole at `eye` whose picture point (x, y) looks along base + x right + y up; depth is 0 at infinity."""
+    """A pinhole at `eye` whose image point (x, y) looks along base + x right + y up; depth is 0 at infinity."""
     x, y, w = np.linalg.inv(np.stack([right, up, base], axis=1))
     rows = np.stack([x, y, np.zeros(3), w])
     offset = -rows @ eye

@@ -1,4 +1,4 @@
-"""The ray mesh: triangles in the picture, each vertex of which carries a ray into the scene."""
+"""The ray mesh: triangles in the image, each vertex of which carries a ray into the scene."""
 
 from __future__ import annotations
 
@@ -30,13 +30,13 @@ class RayStatus(IntEnum):
 class RayMesh:
     """What a specular surface does to the eye's rays, or a nonlinear camera made by hand.
 
-    As a camera it shows what its rays meet from their origins on, and of what it holds `status` and `share` are not
-    read. Where its triangles lie over each other in the picture, the first one is seen.
+    As a camera it shows what its rays meet from their origins on, and of what it holds `status` and `transmittance` are
+    not read. Where its triangles lie over each other in the image, the first one is seen.
 
     Parameters
     ----------
-    picture : (V, 3) float64
-        Homogeneous picture coordinates (x w, y w, w): x, y in pixels from the top left. Weights linear in these
+    image : (V, 3) float64
+        Homogeneous image coordinates (x w, y w, w): x, y in pixels from the top left. Weights linear in these
         are linear on the surface in the world. A camera made by hand has w = 1.
     origins : (V, 3) float64
         Where each ray leaves, metres. Inside a triangle it is interpolated.
@@ -46,41 +46,41 @@ class RayMesh:
     faces : (F, 3) int32
     status : (V,) uint8
         A `RayStatus` each.
-    share : (V,) float64, optional
+    transmittance : (V,) float64, optional
         What share of the light goes this way, where interfaces divide it.
     """
 
-    picture: np.ndarray
+    image: np.ndarray
     origins: np.ndarray
     directions: np.ndarray
     faces: np.ndarray
     status: np.ndarray
-    share: np.ndarray | None = None
+    transmittance: np.ndarray | None = None
 
     def places(self) -> np.ndarray:
-        """Where the vertices are in the picture, (V, 2) pixels; it means nothing for those behind the eye."""
-        return self.picture[:, :2] / np.where(self.picture[:, 2:] > 0.0, self.picture[:, 2:], 1.0)
+        """Where the vertices are in the image, (V, 2) pixels; it means nothing for those behind the eye."""
+        return self.image[:, :2] / np.where(self.image[:, 2:] > 0.0, self.image[:, 2:], 1.0)
 
     def unit_directions(self) -> np.ndarray:
         """The directions normalised, (V, 3)."""
         return self.directions / np.linalg.norm(self.directions, axis=1, keepdims=True)
 
     def least_size(self) -> tuple[int, int]:
-        """The least whole (width, height) that holds the picture of all triangles, in pixels."""
+        """The least whole (width, height) that holds the image of all triangles, in pixels."""
         used = np.unique(self.faces)
-        if self.picture[used, 2].min() <= 0.0:
-            raise AnamorphError("camera: its picture has vertices behind the eye (w <= 0); give the picture's size")
+        if self.image[used, 2].min() <= 0.0:
+            raise AnamorphError("camera: its image has vertices behind the eye (w <= 0); give the image's size")
         # What rounding adds to a whole number is not worth a pixel.
         width, height = (int(side) for side in np.ceil(self.places()[used].max(axis=0) - 1e-6))
         if width < 1 or height < 1:
-            raise AnamorphError("camera: its picture ends left of or above (0, 0), the top left corner; move it")
+            raise AnamorphError("camera: its image ends left of or above (0, 0), the top left corner; move it")
         return width, height
 
 
 def check_ray_mesh(rays: RayMesh, where: str) -> None:
     """Is a ray mesh fit to be a camera? Raises AnamorphError; w <= 0, which is behind the eye, is no error."""
-    count = len(rays.picture)
-    for name, shape in (("picture", (count, 3)), ("origins", (count, 3)), ("directions", (count, 3))):
+    count = len(rays.image)
+    for name, shape in (("image", (count, 3)), ("origins", (count, 3)), ("directions", (count, 3))):
         values = np.asarray(getattr(rays, name))
         if values.shape != shape or values.dtype.kind not in "iuf":
             raise AnamorphError(f"{where}: {name} are {values.shape} {values.dtype}; give {shape} float64")
@@ -100,8 +100,8 @@ def check_ray_mesh(rays: RayMesh, where: str) -> None:
     short = used[np.linalg.norm(rays.directions[used], axis=1) == 0.0]
     if len(short):
         raise AnamorphError(f"{where}: the direction of vertex {short[0]} has no length; give it one")
-    if np.max(rays.picture[used, 2]) <= 0.0:
-        raise AnamorphError(f"{where}: all its picture is behind the eye (w <= 0); give w = 1 to what is made by hand")
-    first, second, third = np.moveaxis(np.asarray(rays.picture, float)[faces], 1, 0)
+    if np.max(rays.image[used, 2]) <= 0.0:
+        raise AnamorphError(f"{where}: all its image is behind the eye (w <= 0); give w = 1 to what is made by hand")
+    first, second, third = np.moveaxis(np.asarray(rays.image, float)[faces], 1, 0)
     if not np.einsum("fi,fi->f", np.cross(first, second), third).any():
-        raise AnamorphError(f"{where}: all its triangles are points or lines in the picture; spread them")
+        raise AnamorphError(f"{where}: all its triangles are points or lines in the image; spread them")

@@ -20,13 +20,13 @@ from anamorph.scene.checks import check_contents, check_scene
 from anamorph.scene.model import Scene
 
 Drawn = Callable[[int, int], None]
-"""Told the shifted pictures that are drawn, and their number."""
+"""Told the shifted images that are drawn, and their number."""
 
 
 def draw_frame(
     view: View, specification: Specification, seen: bool = False, report: Drawn = lambda done, total: None
 ) -> Frame:
-    """Draw the mean of the shifted pictures that `view.samples` asks for; seen buffers are those of pixel centres."""
+    """Draw the mean of the shifted images that `view.samples` asks for; seen buffers are those of pixel centres."""
     session = specification.open(view)
     color = drain(averaging(session, view.camera, view.samples), lambda drawn: report(*drawn))
     if not seen:
@@ -54,11 +54,11 @@ def render(
     method : str or Specification, optional
         "name" or "name:option=value,…"; pervertex unless a scene file says otherwise.
     camera : Camera or RayMesh, optional
-        The scene's own by default. A ray mesh is itself the whole picture, for the methods that can see through one.
+        The scene's own by default. A ray mesh is itself the whole image, for the methods that can see through one.
     size : (width, height), optional
-        Pixels; 1024 x 768 unless a scene file says otherwise. For a ray mesh, the least size that holds its picture.
+        Pixels; 1024 x 768 unless a scene file says otherwise. For a ray mesh, the least size that holds its image.
     samples : int
-        The picture averages samples x samples a pixel.
+        The image averages samples x samples a pixel.
     seen : bool
         Whether the frame carries its seen buffers.
     **options

@@ -11,16 +11,16 @@ from PIL import Image
 
 from anamorph.base.errors import AnamorphError
 from anamorph.base.output import (
-    PICTURES,
+    IMAGES,
     check_output,
     save_array,
-    save_picture,
+    save_image,
     save_text,
     whole_file,
 )
 from anamorph.base.srgb import encode_srgb
 
-PICTURE = np.linspace(0.0, 1.0, 4 * 5 * 3, dtype=np.float32).reshape(4, 5, 3)
+IMAGE = np.linspace(0.0, 1.0, 4 * 5 * 3, dtype=np.float32).reshape(4, 5, 3)
 
 
 def test_srgb_follows_its_standard():
@@ -30,11 +30,11 @@ def test_srgb_follows_its_standard():
     assert encode_srgb(np.array([-1.0, 7.0])) == pytest.approx([0.0, 1.0])
 
 
-@pytest.mark.parametrize("suffix", [suffix for suffix in PICTURES if suffix != ".npy"])
-def test_a_picture_comes_back_as_srgb(tmp_path, suffix):
+@pytest.mark.parametrize("suffix", [suffix for suffix in IMAGES if suffix != ".npy"])
+def test_a_image_comes_back_as_srgb(tmp_path, suffix):
     path = tmp_path / f"a{suffix.upper()}"
     grey = np.full((16, 16, 3), 0.18, np.float32)
-    save_picture(path, grey)
+    save_image(path, grey)
     with Image.open(path) as image:
         pixels = np.asarray(image.convert("RGB"))
     assert pixels.shape == (16, 16, 3)
@@ -42,14 +42,14 @@ def test_a_picture_comes_back_as_srgb(tmp_path, suffix):
 
 
 def test_a_png_is_exact_and_the_first_row_is_on_top(tmp_path):
-    save_picture(tmp_path / "a.png", PICTURE)
+    save_image(tmp_path / "a.png", IMAGE)
     with Image.open(tmp_path / "a.png") as image:
-        assert np.array_equal(np.asarray(image), np.round(255 * encode_srgb(PICTURE)).astype(np.uint8))
+        assert np.array_equal(np.asarray(image), np.round(255 * encode_srgb(IMAGE)).astype(np.uint8))
 
 
 def test_npy_keeps_linear_floats(tmp_path):
-    bright = 10.0 * PICTURE
-    save_picture(tmp_path / "a.npy", bright)
+    bright = 10.0 * IMAGE
+    save_image(tmp_path / "a.npy", bright)
     assert np.array_equal(np.load(tmp_path / "a.npy"), bright)
 
 
@@ -87,15 +87,15 @@ def test_a_link_stays_a_link(tmp_path):
 @pytest.mark.parametrize("name", ["a.gif", "a", "a.exr", ".png"])
 def test_an_unknown_suffix_is_refused_with_the_known_ones(tmp_path, name):
     with pytest.raises(AnamorphError, match=r"end the name in \.png"):
-        check_output(tmp_path / name, PICTURES)
+        check_output(tmp_path / name, IMAGES)
 
 
 def test_a_missing_directory_and_a_directory_in_the_way_are_refused(tmp_path):
     with pytest.raises(AnamorphError, match="there is no directory"):
-        save_picture(tmp_path / "no" / "a.png", PICTURE)
+        save_image(tmp_path / "no" / "a.png", IMAGE)
     with pytest.raises(AnamorphError, match="not a plain file"):
         (tmp_path / "b.png").mkdir()
-        save_picture(tmp_path / "b.png", PICTURE)
+        save_image(tmp_path / "b.png", IMAGE)
     with pytest.raises(AnamorphError, match="not a plain file"):
         save_text(Path("/dev/null"), "text")
     assert Path("/dev/null").is_char_device()
@@ -108,7 +108,7 @@ def test_arrays_are_saved_as_npy_only(tmp_path):
         save_array(tmp_path / "a.txt", np.arange(3))
 
 
-def test_a_picture_that_is_not_finite_is_refused_and_not_written(tmp_path):
+def test_a_image_that_is_not_finite_is_refused_and_not_written(tmp_path):
     with pytest.raises(AnamorphError, match="not finite"):
-        save_picture(tmp_path / "a.png", np.full((2, 2, 3), np.nan))
+        save_image(tmp_path / "a.png", np.full((2, 2, 3), np.nan))
     assert not os.listdir(tmp_path)

@@ -16,26 +16,26 @@ SIZE = (49, 31)
 
 
 def frames(count: int) -> list[np.ndarray]:
-    """Smooth pictures, each of another brightness and tint."""
+    """Smooth images, each of another brightness and tint."""
     x, y = np.meshgrid(np.linspace(0, 80, SIZE[0]), np.linspace(0, 80, SIZE[1]))
     return [
         np.stack([x + 15 * i, y + 5 * i, np.full_like(x, 200 - 15 * i)], axis=-1).astype(np.uint8) for i in range(count)
     ]
 
 
-def write(path: Path, pictures: list[np.ndarray], rate: float = 30.0) -> None:
+def write(path: Path, images: list[np.ndarray], rate: float = 30.0) -> None:
     with video(path, SIZE, rate) as add:
-        for pixels in pictures:
+        for pixels in images:
             add(pixels)
 
 
 def test_an_animation_holds_every_frame_for_its_time(tmp_path):
-    pictures = frames(7)
-    write(tmp_path / "a.webp", pictures)
+    images = frames(7)
+    write(tmp_path / "a.webp", images)
     with Image.open(tmp_path / "a.webp") as image:
         assert (image.size, image.n_frames, image.info["loop"]) == (SIZE, 7, 0)
         shown = [(np.asarray(frame.convert("RGB")), frame.info["duration"]) for frame in ImageSequence.Iterator(image)]
-    for pixels, (read, _) in zip(pictures, shown, strict=True):
+    for pixels, (read, _) in zip(images, shown, strict=True):
         assert np.abs(read.astype(int) - pixels).mean() < 2.0
     # 33 or 34 ms each, so that they do not drift apart from a thirtieth of a second.
     assert [duration for _, duration in shown] == [33, 34, 33, 33, 34, 33, 33]
@@ -66,8 +66,8 @@ def number(content: bytes) -> int:
 
 
 def test_a_webm_file_says_what_it_holds_and_where(tmp_path):
-    pictures = frames(8)
-    write(tmp_path / "a.webm", pictures, rate=25.0)
+    images = frames(8)
+    write(tmp_path / "a.webm", images, rate=25.0)
     header, segment = elements((tmp_path / "a.webm").read_bytes())
     assert header[0] == "1A45DFA3" and tree(header[1])["4282"] == b"webm"
     assert segment[0] == "18538067"
@@ -81,7 +81,7 @@ def test_a_webm_file_says_what_it_holds_and_where(tmp_path):
     assert track["86"] == b"V_VP8" and number(track["23E383"]) == 40_000_000
     assert (number(tree(track["E0"])["B0"]), number(tree(track["E0"])["BA"])) == SIZE
     cues = [tree(content) for name, content, _ in elements(top[-1][1])]
-    for i, (pixels, cue) in enumerate(zip(pictures, cues, strict=True)):
+    for i, (pixels, cue) in enumerate(zip(images, cues, strict=True)):
         _, cluster, start = top[3 + i]
         inside = tree(cluster)
         assert number(inside["E7"]) == number(cue["B3"]) == 40 * i
@@ -104,13 +104,13 @@ def riff(frame: bytes) -> bytes:
 
 
 def test_a_folder_gets_every_frame_exactly(tmp_path):
-    pictures = frames(5)
+    images = frames(5)
     (tmp_path / "empty").mkdir()
     for name in ("series", "empty"):
-        write(tmp_path / name, pictures)
+        write(tmp_path / name, images)
         names = sorted(path.name for path in (tmp_path / name).iterdir())
         assert names == [f"frame-{i:04}.png" for i in range(1, 6)]
-        for path, pixels in zip(names, pictures, strict=True):
+        for path, pixels in zip(names, images, strict=True):
             with Image.open(tmp_path / name / path) as image:
                 assert np.array_equal(np.asarray(image), pixels)
 

@@ -251,13 +251,13 @@ def test_every_table_has_the_printed_columns_ours_and_the_machine(results, tmp_p
     assert [row["printed_ms"] for row in tables["d1-ray-tracing"] if row["resolution_px"] == "576"] == [""] * 3
 
 
-def test_plots_are_pictures_where_matplotlib_is_installed(results, tmp_path):
+def test_plots_are_images_where_matplotlib_is_installed(results, tmp_path):
     pytest.importorskip("matplotlib")
-    pictures = [path for path in write_results(results, tmp_path) if path.suffix == ".png"]
-    assert len(pictures) == 12
-    for path in pictures:
-        with Image.open(path) as picture:
-            assert min(picture.size) > 300 and len(picture.convert("RGB").getcolors(1 << 20)) > 10
+    images = [path for path in write_results(results, tmp_path) if path.suffix == ".png"]
+    assert len(images) == 12
+    for path in images:
+        with Image.open(path) as image:
+            assert min(image.size) > 300 and len(image.convert("RGB").getcolors(1 << 20)) > 10
 
 
 def test_without_matplotlib_there_are_tables_and_one_line_says_what_to_install(monkeypatch, tmp_path, capsys):

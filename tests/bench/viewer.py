@@ -1,4 +1,4 @@
-"""The viewer in a browser: pictures a second while the eye moves, how soon a slider shows, and half an hour of use.
+"""The viewer in a browser: images a second while the eye moves, how soon a slider shows, and half an hour of use.
 
 Run it with `./run bench viewer`, or for the half hour with `./run bench viewer --minutes 30`. Chromium shows what the
 command serves, on the same machine: it takes its share of the cores, as it does for whoever uses the viewer. It stands
@@ -27,13 +27,13 @@ from playwright.sync_api import sync_playwright
 METHODS = ("pervertex", "raytrace", "environment", "trilinear", "pervertex:refine=1", "pervertex:tolerance=0.5")
 
 WATCH = """() => {
-  const picture = document.querySelector('img')
+  const image = document.querySelector('img')
   const small = document.createElement('canvas')
   small.width = small.height = 48
   const pixels = small.getContext('2d', { willReadFrequently: true })
   let before = null
   const look = () => {
-    pixels.drawImage(picture, picture.naturalWidth / 2 - 60, picture.naturalHeight / 2 - 60, 120, 120, 0, 0, 48, 48)
+    pixels.drawImage(image, image.naturalWidth / 2 - 60, image.naturalHeight / 2 - 60, 120, 120, 0, 0, 48, 48)
     const now = pixels.getImageData(0, 0, 48, 48).data
     let difference = before === null ? 0 : 255
     if (before !== null) {
@@ -46,7 +46,7 @@ WATCH = """() => {
   }
   window.arrivals = []
   window.changed = null
-  picture.addEventListener('load', () => {
+  image.addEventListener('load', () => {
     if (look() > 1.0) {
       window.arrivals.push(performance.now())
       window.changed = window.changed || performance.now()
@@ -54,7 +54,7 @@ WATCH = """() => {
   })
   document.addEventListener('pointermove', () => { window.moved = performance.now() }, true)
 }"""
-"""Notes when a picture arrives whose middle differs from that of the one before."""
+"""Notes when an image arrives whose middle differs from that of the one before."""
 
 
 CIRCLE = """([x, y, milliseconds]) => new Promise((done) => {
@@ -81,7 +81,7 @@ def main() -> None:
     """Measure, and print what came of it."""
     parser = argparse.ArgumentParser(prog="./run bench viewer", description=__doc__.splitlines()[0])
     parser.add_argument("--scene", default="car-mirror", help="a built-in scene with a part 'mirror' (car-mirror)")
-    parser.add_argument("--size", default="800x600", help="of the picture without a panel (800x600)")
+    parser.add_argument("--size", default="800x600", help="of the image without a panel (800x600)")
     parser.add_argument("--minutes", type=float, default=0.0, help="of scripted use, watching memory and log (none)")
     arguments = parser.parse_args()
     width, height = map(int, arguments.size.split("x"))
@@ -93,7 +93,7 @@ def main() -> None:
         for resolution, what in ((0.0, "as the viewer likes"), (1.0, "at full resolution")):
             view = Path(folder) / "view.toml"
             view.write_text(f'builtin = "{arguments.scene}"\n[view]\npanel = false\nresolution = {resolution}\n')
-            # A line below the picture belongs to the status.
+            # A line below the image belongs to the status.
             with shown(browser, Path(folder), str(view), (width, height + 24)) as (_, tab):
                 measure_rate(tab, what)
         with shown(browser, Path(folder), arguments.scene, (1076, 624)) as (_, tab):
@@ -114,24 +114,24 @@ def shown(browser: Any, folder: Path, scene: str, size: tuple[int, int]) -> Iter
 
 
 def measure_rate(tab: Tab, what: str, seconds: float = 10.0) -> None:
-    """Pictures a second that arrive, each other than the one before, while the eye moves all the time."""
+    """Images a second that arrive, each other than the one before, while the eye moves all the time."""
     tab.wait_until(lambda snapshot: snapshot["at_rest"], "rest")
     size = tab.page.viewport_size
     x, y = size["width"] / 2.0, size["height"] / 2.0
     tab.page.mouse.move(x, y)
     tab.page.mouse.down()
     arrivals = np.array(tab.page.evaluate(CIRCLE, [x, y, 1000.0 * seconds]))
-    drawn = tab.snapshot()["picture"]
+    drawn = tab.snapshot()["image"]
     tab.page.mouse.up()
     gaps = np.diff(arrivals[arrivals > arrivals[0] + 1000.0])
     print(
-        f"eye moving, {what}: {1000.0 / gaps.mean():.1f} pictures a second; between two {np.median(gaps):.0f} ms "
+        f"eye moving, {what}: {1000.0 / gaps.mean():.1f} images a second; between two {np.median(gaps):.0f} ms "
         f"(median), {np.percentile(gaps, 95):.0f} ms (95th percentile); last drawn at {drawn[0]}x{drawn[1]}"
     )
 
 
 def measure_delay(tab: Tab, times: int = 20) -> None:
-    """From the pointer's move on a slider to the first picture that shows it."""
+    """From the pointer's move on a slider to the first image that shows it."""
     delays = []
     shown = tab.wait_until(lambda snapshot: "mirror/swivel" in snapshot["rectangles"], "the panel")
     left, top, right, bottom = shown["rectangles"]["mirror/swivel"]
@@ -148,7 +148,7 @@ def measure_delay(tab: Tab, times: int = 20) -> None:
         tab.page.wait_for_timeout(1000)
         delays.append(tab.page.evaluate("window.changed - window.moved"))
         tab.page.mouse.up()
-    print(f"slider to picture: {np.median(delays):.0f} ms (median), {max(delays):.0f} ms (largest of {times})")
+    print(f"slider to image: {np.median(delays):.0f} ms (median), {max(delays):.0f} ms (largest of {times})")
 
 
 def use(tab: Tab, viewer: Served, minutes: float) -> None:
@@ -200,7 +200,7 @@ def act(tab: Tab, chance: random.Random) -> None:
         )
     elif chance.random() < 0.3:
         page.reload()
-        tab.wait_for_picture()
+        tab.wait_for_image()
     else:
         tab.key("Shift+R")
     page.wait_for_timeout(chance.choice([50, 400, 1500]))

@@ -1,4 +1,4 @@
-"""Cameras made by hand: rays of closed form, pictures filled once, and the thesis's cube in front of them."""
+"""Cameras made by hand: rays of closed form, images filled once, and the thesis's cube in front of them."""
 
 from __future__ import annotations
 
@@ -53,8 +53,8 @@ def centers(size: tuple[int, int]) -> np.ndarray:
 
 
 def rays_at(mesh: RayMesh, points: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Origins and directions, (N, 3), at picture points (N, 2), and how many triangles hold each."""
-    weights = np.column_stack([points, np.ones(len(points))]) @ np.linalg.inv(mesh.picture[mesh.faces])
+    """Origins and directions, (N, 3), at image points (N, 2), and how many triangles hold each."""
+    weights = np.column_stack([points, np.ones(len(points))]) @ np.linalg.inv(mesh.image[mesh.faces])
     weights /= weights.sum(axis=2, keepdims=True)
     within = (weights >= -1e-9).all(axis=2)
     chosen = within.argmax(axis=0), np.arange(len(points))
@@ -81,16 +81,16 @@ def seen(mesh: RayMesh, scene: Scene, size: tuple[int, int]) -> np.ndarray:
 
 
 @every_maker
-def test_triangles_fill_the_picture_once_and_turn_as_a_mirrors_do(name):
+def test_triangles_fill_the_image_once_and_turn_as_a_mirrors_do(name):
     make, count = MAKERS[name]
     mesh = make()
     assert len(mesh.faces) == count and mesh.faces.dtype == np.int32
-    assert (mesh.picture[:, 2] == 1.0).all() and (mesh.status == RayStatus.OK).all() and mesh.status.dtype == np.uint8
-    assert mesh.origins.shape == mesh.directions.shape == mesh.picture.shape == (len(mesh.status), 3)
-    assert mesh.origins.dtype == mesh.directions.dtype == mesh.picture.dtype == np.float64
-    areas = np.linalg.det(mesh.picture[mesh.faces]) / 2.0
+    assert (mesh.image[:, 2] == 1.0).all() and (mesh.status == RayStatus.OK).all() and mesh.status.dtype == np.uint8
+    assert mesh.origins.shape == mesh.directions.shape == mesh.image.shape == (len(mesh.status), 3)
+    assert mesh.origins.dtype == mesh.directions.dtype == mesh.image.dtype == np.float64
+    areas = np.linalg.det(mesh.image[mesh.faces]) / 2.0
     front = reflected_rays(reflector(spherical_mirror()), Camera((0, 0.5, 1), (0, 0.5, 0)).eye(SIZE))
-    of_mirror = np.linalg.det((front.picture / front.picture[:, 2:])[front.faces])
+    of_mirror = np.linalg.det((front.image / front.image[:, 2:])[front.faces])
     assert (np.sign(areas) == np.sign(of_mirror[0])).all() and (np.sign(of_mirror) == np.sign(of_mirror[0])).all()
     assert -areas.sum() == pytest.approx(SIZE[0] * SIZE[1])
     points = np.random.default_rng(1).uniform((0, 0), SIZE, (2000, 2))
@@ -145,7 +145,7 @@ def test_a_panorama_goes_all_around_and_closes():
     turn = np.arctan2(rays @ right, rays @ forward)
     assert np.diff(np.unwrap(turn, axis=1), axis=1) == pytest.approx(np.full((2, 12), np.pi / 6))
     assert np.degrees(np.arctan(rays[0] @ up)) == pytest.approx(np.full(13, 27.5))
-    # The middle column of an odd number of flat ones is a pinhole's picture: straight ahead it is the camera's.
+    # The middle column of an odd number of flat ones is a pinhole's image: straight ahead it is the camera's.
     _, ahead, _ = rays_at(cameras.panorama(ASKEW, SIZE, columns=9), np.array([[24.0, 16.0]]))
     assert unit(ahead)[0] == pytest.approx(forward)
 
@@ -244,7 +244,7 @@ def test_a_plane_of_no_index_is_the_pinhole(options):
 
 def test_normals_that_meet_in_the_eye_bend_nothing():
     mesh = cameras.refracting_plane(ASKEW, SIZE, 4, distance=1.5, focus=-1.5)
-    assert mesh.unit_directions() == pytest.approx(ASKEW.directions(mesh.picture[:, :2], SIZE), abs=1e-12)
+    assert mesh.unit_directions() == pytest.approx(ASKEW.directions(mesh.image[:, :2], SIZE), abs=1e-12)
 
 
 @pytest.mark.parametrize(("index", "focus"), [(1.5, 1.0), (1.33, -5.0), (0.9, 3.0)])
@@ -254,7 +254,7 @@ def test_vertices_refract_by_snells_law(index, focus):
     point = np.array(NARROW.position) + (1.5 + focus) * forward
     normals = unit(mesh.origins - point)
     assert (mesh.origins - ASKEW.position) @ forward == pytest.approx(np.full(25, 1.5))
-    before, after = NARROW.directions(mesh.picture[:, :2], SIZE), mesh.unit_directions()
+    before, after = NARROW.directions(mesh.image[:, :2], SIZE), mesh.unit_directions()
     assert np.cross(after, normals) * index == pytest.approx(np.cross(before, normals), abs=1e-12)
     assert (np.sum(after * normals, axis=1) * np.sum(before * normals, axis=1) > 0).all()
 
@@ -279,9 +279,9 @@ def test_what_no_light_passes_and_what_turns_away_is_marked():
 def test_a_grid_keeps_its_rays_in_order_and_its_lines_in_place():
     origins = np.arange(18.0).reshape(2, 3, 3)
     mesh = cameras.from_grid(origins, origins + 1.0, (12, 8), columns=[0, 3, 12], rows=[-1, 8])
-    assert mesh.picture[:, :2].tolist() == [[0, -1], [3, -1], [12, -1], [0, 8], [3, 8], [12, 8]]
+    assert mesh.image[:, :2].tolist() == [[0, -1], [3, -1], [12, -1], [0, 8], [3, 8], [12, 8]]
     assert mesh.origins == pytest.approx(origins.reshape(6, 3)) and mesh.directions == pytest.approx(mesh.origins + 1.0)
-    assert cameras.from_grid(origins, origins + 1.0, (12, 8)).picture[:, 0].tolist() == [0, 6, 12, 0, 6, 12]
+    assert cameras.from_grid(origins, origins + 1.0, (12, 8)).image[:, 0].tolist() == [0, 6, 12, 0, 6, 12]
     assert grid_points((12, 8), (2, 1))[1, 2].tolist() == [12, 8]
 
 
@@ -396,7 +396,7 @@ def test_an_inward_sphere_maps_all_six_sides():
 
 
 @pytest.mark.parametrize("quads", [1, 2, 5])
-def test_the_part_of_the_ball_fills_a_square_picture_with_vertices_on_the_ball(quads):
+def test_the_part_of_the_ball_fills_a_square_image_with_vertices_on_the_ball(quads):
     scene = check_scene(cube_in_sphere(quads))
     mirror = scene.meshes[0]
     assert len(mirror.faces) == 2 * quads**2 and isinstance(mirror.surface, Sphere)

@@ -64,7 +64,7 @@ def one_line_error(result: subprocess.CompletedProcess[str]) -> str:
     return result.stderr
 
 
-def test_render_writes_a_picture_and_what_each_pixel_sees(tmp_path):
+def test_render_writes_a_image_and_what_each_pixel_sees(tmp_path):
     seen = [f"{name}={name}.npy" for name in ("position", "object_id", "specular", "status")]
     arguments = ("render", "car-mirror", "-m", "pervertex", "-o", "a.png", "--size", "160x120", "--seen", *seen)
     assert quiet_success(run(*arguments, directory=tmp_path)) == ""
@@ -85,10 +85,10 @@ def test_render_shows_a_model_with_no_scene_file_and_keeps_linear_floats(tmp_pat
     trimesh.creation.box((1.0, 2.0, 3.0)).export(tmp_path / "box.glb")
     options = ("-m", "raytrace", "-o", "a.npy", "--size", "64x48", "--samples", "2")
     quiet_success(run("render", "box.glb", *options, directory=tmp_path))
-    picture = np.load(tmp_path / "a.npy")
-    assert picture.shape == (48, 64, 3)
-    assert picture.dtype == np.float32
-    assert np.isfinite(picture).all()
+    image = np.load(tmp_path / "a.npy")
+    assert image.shape == (48, 64, 3)
+    assert image.dtype == np.float32
+    assert np.isfinite(image).all()
 
 
 def test_compare_prints_a_table_and_writes_json_and_a_page(tmp_path):
@@ -183,7 +183,7 @@ USAGE = {
     "directory in the way": (("render", "nowhere", "-o", "taken.png"), "not a plain file"),
     "unknown buffer": (("render", "nowhere", "-o", "a.png", "--seen", "depth=a.npy"), "'depth=a.npy' is no seen"),
     "buffer without file": (("render", "nowhere", "-o", "a.png", "--seen", "position"), "write NAME=FILE.npy"),
-    "buffer as picture": (("render", "nowhere", "-o", "a.png", "--seen", "position=a.jpg"), "end the name in .npy"),
+    "buffer as image": (("render", "nowhere", "-o", "a.png", "--seen", "position=a.jpg"), "end the name in .npy"),
     "a turntable of no kind": (("turntable", "nowhere", "-o", "a.mp4"), "end the name in .webm, .webp, or in nothing"),
     "a turntable too large": (("turntable", "nowhere", "-o", "a.webm", "--size", "16384x2"), "at most 16383 pixels"),
     "a turntable without end": (("turntable", "nowhere", "-o", "a.webm", "--frames", "10000"), "up to 9999"),
@@ -338,7 +338,7 @@ def test_progress_is_told_on_a_terminal_only(terminal, monkeypatch):
     assert terminal or told.getvalue() == ""
 
 
-def test_render_tells_how_many_of_its_pictures_are_drawn(tmp_path, monkeypatch):
+def test_render_tells_how_many_of_its_images_are_drawn(tmp_path, monkeypatch):
     told = []
 
     @contextmanager
@@ -348,19 +348,19 @@ def test_render_tells_how_many_of_its_pictures_are_drawn(tmp_path, monkeypatch):
     monkeypatch.setattr(cli, "progress_bar", bar)
     arguments = ["render", "flat-mirror", "-o", str(tmp_path / "a.png"), "--size", "32x24"]
     assert cli.main([*arguments, "--samples", "2"]) == 0
-    assert told == [(n, 4, f"rendering flat-mirror, picture {n} of 4") for n in (1, 2, 3, 4)]
+    assert told == [(n, 4, f"rendering flat-mirror, image {n} of 4") for n in (1, 2, 3, 4)]
 
 
-def test_the_demo_writes_a_page_figures_and_a_picture_by_each_method(tmp_path, monkeypatch):
+def test_the_demo_writes_a_page_figures_and_a_image_by_each_method(tmp_path, monkeypatch):
     monkeypatch.setattr(demo, "SIZE", (96, 72))
     comparison = demo.make_demo(tmp_path / "new" / "place", "anamorph demo", lambda done, total, what: None)
-    pictures = {f"car-mirror-{result.name}.png" for result in comparison.methods}
+    images = {f"car-mirror-{result.name}.png" for result in comparison.methods}
     assert {path.name for path in (tmp_path / "new" / "place").iterdir()} == {
         "index.html",
         "comparison.json",
-        *pictures,
+        *images,
     }
-    assert pictures == {f"car-mirror-{name}.png" for name in ("pervertex", "environment", "raytrace")}
+    assert images == {f"car-mirror-{name}.png" for name in ("pervertex", "environment", "raytrace")}
 
 
 def test_a_scene_with_glass_is_drawn_by_the_methods_that_can(tmp_path, monkeypatch, capsys):
@@ -379,7 +379,7 @@ def test_a_scene_with_glass_is_drawn_by_the_methods_that_can(tmp_path, monkeypat
     assert list(json.loads((tmp_path / "lens.json").read_text())["methods"]) == ["raytrace", "pervertex", "trilinear"]
 
 
-def test_a_picture_with_gaps_says_so_and_how_to_fill_them(tmp_path, monkeypatch, capsys):
+def test_a_image_with_gaps_says_so_and_how_to_fill_them(tmp_path, monkeypatch, capsys):
     def told(*method):
         assert cli.main(["render", "spheres", *method, "--size", "64x48", "-o", "a.png"]) == 0
         return capsys.readouterr().err

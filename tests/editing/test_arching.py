@@ -197,12 +197,12 @@ def test_a_torn_surface_is_one_line():
     assert arch_of((replace(mesh, material=Diffuse()),)) is None and arch_of(()) is None
 
 
-def test_the_picture_in_a_cad_mirror_that_is_bent_further_is_still_true():
+def test_the_image_in_a_cad_mirror_that_is_bent_further_is_still_true():
     poles, knots_x, knots_y = door_mirror.spline()
     surface = NurbsSurface(2.0 * poles + CENTER, np.ones(poles.shape[:2]), knots_x, knots_y, 5, 5)
     mesh = mesh_on(surface, (-0.095, -0.065), (0.095, 0.065), count=14)
     scene = scene_with(*edit((mesh,), Edit((4.0, 0.0, 0.0), added_curvature=-0.9)))
-    truth = drawn(scene, "raytrace")
-    errors = measure(truth, drawn(scene, "pervertex:refine=3"))
-    assert (truth.specular == 1).sum() > 3000
+    reference = drawn(scene, "raytrace")
+    errors = measure(reference, drawn(scene, "pervertex:refine=3"))
+    assert (reference.specular == 1).sum() > 3000
     assert errors.pixels.p95 < 0.6 and errors.other_object_percent < 1.5

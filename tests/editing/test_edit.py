@@ -1,4 +1,4 @@
-"""Parts turned, moved and bent where they stand: their exact surfaces go with them, and the pictures stay true."""
+"""Parts turned, moved and bent where they stand: their exact surfaces go with them, and the images stay true."""
 
 from __future__ import annotations
 
@@ -281,11 +281,11 @@ def test_a_mirror_can_be_bent_as_far_as_its_limits_say(mesh):
     "by",
     [Edit((8.0, -5.0, 3.0), (0.02, -0.01, 0.03)), Edit(curvature=-0.4), Edit((5.0, 0.0, 0.0), curvature=1.5)],
 )
-def test_the_picture_in_an_edited_mirror_is_still_true(by):
+def test_the_image_in_an_edited_mirror_is_still_true(by):
     scene = scene_with(*edit((spherical_mirror(count=12),), by))
-    truth = drawn(scene, "raytrace")
-    errors = measure(truth, drawn(scene, "pervertex:refine=3"))
-    assert (truth.specular == 1).sum() > 3000
+    reference = drawn(scene, "raytrace")
+    errors = measure(reference, drawn(scene, "pervertex:refine=3"))
+    assert (reference.specular == 1).sum() > 3000
     assert errors.pixels.p95 < 0.6 and errors.other_object_percent < 1.5
 
 
@@ -300,8 +300,8 @@ def test_a_flat_mirror_that_is_turned_shows_the_scene_mirrored_in_its_new_plane(
     mirrored = eye - 2.0 * ((eye - point) @ normal) * normal
     seen = frame.position[looks] - mirrored
     through = mirrored + seen * (((point - mirrored) @ normal) / (seen @ normal))[:, None]
-    picture = scene.camera.picture(through, SIZE)
-    np.testing.assert_allclose(picture[:, :2] / picture[:, 2:], np.column_stack([columns, rows]) + 0.5, atol=0.05)
+    image = scene.camera.image(through, SIZE)
+    np.testing.assert_allclose(image[:, :2] / image[:, 2:], np.column_stack([columns, rows]) + 0.5, atol=0.05)
 
 
 def patch() -> Mesh:

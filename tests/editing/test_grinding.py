@@ -169,13 +169,13 @@ def test_the_lenses_of_the_built_in_scenes_can_be_ground_to_their_limits(name):
     assert ground(lens[:2], optics_of(*lens[:2]).power - 1.0)[0] is lens[0]
 
 
-def test_the_picture_through_a_ground_lens_is_still_true():
+def test_the_image_through_a_ground_lens_is_still_true():
     lens = make_lens(Prescription(-3.0, diameter=50.0), (0.1, 0.57, 0.4), (-0.3, -0.15, -1.0))
     scene = scene_with(*ground(lens.meshes, 2.0, 1.67), camera=replace(scene_with().camera, field_of_view=12.0))
     assert scene.meshes[3:] and len(surroundings()) > 3
-    truth = drawn(scene, "raytrace:dispersion=false")
-    errors = measure(truth, drawn(scene, "pervertex:refine=3"))
-    assert (truth.specular > 0).sum() > 1000
+    reference = drawn(scene, "raytrace:dispersion=false")
+    errors = measure(reference, drawn(scene, "pervertex:refine=3"))
+    assert (reference.specular > 0).sum() > 1000
     assert errors.pixels.p95 < 0.6 and errors.other_object_percent < 2.0
 
 

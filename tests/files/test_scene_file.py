@@ -322,7 +322,7 @@ def test_a_bare_model_is_seen_whole_in_its_mirror(unit: float, extents: tuple[fl
         toward = (place - eye) / np.linalg.norm(place - eye)
         assert np.linalg.norm(np.cross(toward, middle - eye)) > size
 
-    # The whole mirror is in the picture, above the ground.
+    # The whole mirror is in the image, above the ground.
     right, up, forward = scene.camera.axes()
     seen = (edge - eye) @ np.stack([right, up, forward]).T
     limit = np.tan(np.radians(scene.camera.field_of_view / 2))

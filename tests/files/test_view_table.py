@@ -230,7 +230,7 @@ def test_a_scene_whose_mirror_gives_way_may_be_a_file(folder: Path) -> None:
 def test_a_scene_made_in_python_cannot_be_named(tmp_path: Path) -> None:
     scene = builtin_scene("flat-mirror")
     opened = Opened(scene, Settings(), scene.camera)
-    with pytest.raises(AnamorphError, match=r"^scene 'flat-mirror' was made in Python[^\n]*save the picture[^\n]*$"):
+    with pytest.raises(AnamorphError, match=r"^scene 'flat-mirror' was made in Python[^\n]*save the image[^\n]*$"):
         save_scene(tmp_path / "view.toml", opened, state_of(opened), SIZE)
     assert not list(tmp_path.iterdir())
 

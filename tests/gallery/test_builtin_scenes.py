@@ -1,4 +1,4 @@
-"""The built-in scenes: sound geometry, exact surfaces under their meshes, and the pictures that they are to give."""
+"""The built-in scenes: sound geometry, exact surfaces under their meshes, and the images that they are to give."""
 
 from functools import cache
 
@@ -25,7 +25,7 @@ NAMES = (
     *("cube-in-sphere", "cube-in-wavy-mirror"),
 )
 LENSES = ("spectacles-minus", "spectacles-plus", "magnifier")
-HOLLOW = (*LENSES, "curvature-series")
+CONCAVE = (*LENSES, "curvature-series")
 """Scenes in which some surfaces are the inside of a sphere."""
 WITHOUT_SURFACES = ("cube-in-wavy-mirror",)
 """Scenes whose mirrors have normals that no surface through their vertices has."""
@@ -59,7 +59,7 @@ def face_normals(positions, faces):
     return np.cross(b - a, c - a)
 
 
-def picture(name, size=(160, 120)):
+def object_image(name, size=(160, 120)):
     """Object number (H, W) that each pixel sees first."""
     width, height = size
     pixels = np.stack(np.meshgrid(np.arange(width) + 0.5, np.arange(height) + 0.5), axis=-1).reshape(-1, 2)
@@ -140,13 +140,13 @@ def test_reflectors_lie_on_their_exact_surfaces(name):
         # Single precision, a metre or some tens of metres from the origin.
         np.testing.assert_allclose(surface.position(parameters), part.positions, atol=2e-7, rtol=1e-7)
         normal = surface.normal(parameters)
-        if name in HOLLOW:
+        if name in CONCAVE:
             normal *= np.sign(np.sum(normal * part.normals))
         np.testing.assert_allclose(normal, part.normals, atol=1e-6)
         middle = parameters[part.faces].mean(axis=1)
         area = face_normals(part.positions, part.faces)
         outside = np.einsum("fk,fk->f", area, surface.normal(middle)) > 0
-        assert outside.all() or (name in HOLLOW and not outside.any()), part.name
+        assert outside.all() or (name in CONCAVE and not outside.any()), part.name
         # Parameters are continuous in every triangle: halfway between vertices they stay near the triangle.
         size = np.sqrt(np.linalg.norm(area, axis=1).max())
         assert np.linalg.norm(surface.position(middle) - part.positions[part.faces].mean(axis=1), axis=1).max() < size
@@ -163,8 +163,8 @@ def test_the_door_mirror_is_the_papers():
     assert 9_000 <= sum(len(part.faces) for part in scene("car-mirror").meshes) <= 11_000
 
 
-def test_the_door_mirror_fills_the_picture_and_its_rim_hides_its_border():
-    seen = picture("car-mirror")
+def test_the_door_mirror_fills_the_image_and_its_rim_hides_its_border():
+    seen = object_image("car-mirror")
     columns = np.flatnonzero((seen == 1).any(axis=0))
     assert 0.6 < (columns[-1] - columns[0] + 1) / seen.shape[1] < 0.78
     mirror, eye = mesh("car-mirror", "mirror"), np.asarray(scene("car-mirror").camera.position)
@@ -266,9 +266,9 @@ def test_flat_mirrors_are_two_triangles_that_face_the_eye(name, part):
 @pytest.mark.parametrize(("name", "part", "least"), [
     ("flat-mirror", "mirror", 0.2), ("spheres", "mirror-ball", 0.06), ("spheres", "mirror-flat", 0.04),
 ])  # fmt: skip
-def test_mirrors_fill_a_good_part_of_their_pictures(name, part, least):
+def test_mirrors_fill_a_good_part_of_their_images(name, part, least):
     number = [one.name for one in scene(name).meshes].index(part) + 1
-    assert np.mean(picture(name) == number) > least
+    assert np.mean(object_image(name) == number) > least
 
 
 def volume(shape):

@@ -26,7 +26,7 @@ from anamorph.surfaces.sphere import Sphere
 from anamorph.surfaces.toroid import Toroid
 
 NAMES = ("curvature-series", "saddle", "car-windows", "facing-mirrors", "torus")
-PICTURE = (160, 120)
+IMAGE = (160, 120)
 
 tiny = st.builds(lambda share, sign: sign * share * FLATTEST, st.floats(0.0, 3.0), st.sampled_from((-1.0, 1.0)))
 curvatures = st.one_of(st.floats(-2.0, 2.0), tiny, st.sampled_from((0.0, FLATTEST, -FLATTEST, 2.0, -2.0)))
@@ -41,7 +41,7 @@ def mesh(name, part):
     return next(mesh for mesh in scene(name).meshes if mesh.name == part)
 
 
-def traced(view, size=PICTURE):
+def traced(view, size=IMAGE):
     """The tracer's records, (H, W, 16), and of each pixel its number of bounces, status and first mirror's name."""
     geometry = flatten(view)
     records = drain(PathTracer(view, geometry, Caster(geometry)).tracing(eye_rays(view.camera, size)))
@@ -108,13 +108,13 @@ def test_a_curved_mirror_is_a_square_whose_depth_is_that_of_its_sphere(curvature
     assert (mirror.normals[:, 2] > 0.8).all()
 
 
-def test_the_walk_through_flat_has_no_jump_in_the_picture():
-    pictures = [traced(one_mirror(curvature), (64, 48)) for curvature in (-1.2e-7, -0.8e-7, 0.0, 0.8e-7, 1.2e-7)]
+def test_the_walk_through_flat_has_no_jump_in_the_image():
+    images = [traced(one_mirror(curvature), (64, 48)) for curvature in (-1.2e-7, -0.8e-7, 0.0, 0.8e-7, 1.2e-7)]
     assert len({tuple(part.name for part in one_mirror(curvature).meshes) for curvature in (-2.0, 0.0, 2.0)}) == 1
-    flat, bounces, _, names = pictures[2]
+    flat, bounces, _, names = images[2]
     looked = names == "mirror-1"
     assert looked.mean() > 0.2 and (bounces[looked] == 1).all()
-    for records, _, _, other in pictures:
+    for records, _, _, other in images:
         assert (other == names).all()
         np.testing.assert_allclose(
             records[looked][:, [0, 1, 2, 4, 5, 6]], flat[looked][:, [0, 1, 2, 4, 5, 6]], atol=1e-6
@@ -143,7 +143,7 @@ def test_the_series_is_the_papers_from_convex_over_flat_to_concave():
 def test_concave_mirrors_show_things_nearer_than_their_convergence_and_a_reversed_room_beyond():
     view = scene("curvature-series")
     records, bounces, _, names = paths("curvature-series")
-    rows = np.broadcast_to(np.arange(PICTURE[1])[:, None], names.shape)
+    rows = np.broadcast_to(np.arange(IMAGE[1])[:, None], names.shape)
     for number, radius in enumerate(RADII, start=1):
         mirror = mesh("curvature-series", f"mirror-{number}")
         once = (names == mirror.name) & (bounces == 1)
@@ -158,12 +158,10 @@ def test_concave_mirrors_show_things_nearer_than_their_convergence_and_a_reverse
         assert (distance < 0.75 * convergence).mean() > 0.04, radius
         height = records[once][:, 1] + distance * records[once][:, 5]
         slope = np.polyfit(rows[once][far], height[far], 1)[0]
-        assert (slope > 0) == np.isfinite(convergence), (
-            "lower in the picture is higher in the room where it is reversed"
-        )
+        assert (slope > 0) == np.isfinite(convergence), "lower in the image is higher in the room where it is reversed"
 
 
-def test_saddle_and_cylinder_spread_their_rays_along_their_curved_way_which_is_aslant():
+def test_saddle_and_cylinder_spread_their_rays_along_their_curved_way_which_is_oblique():
     eye = np.asarray(scene("saddle").camera.position)
     for part, sign, turn in (("saddle", -1.0, 30.0), ("cylinder", 0.0, -25.0)):
         mirror = mesh("saddle", part)
@@ -177,7 +175,7 @@ def test_saddle_and_cylinder_spread_their_rays_along_their_curved_way_which_is_a
         rays = reflect(toward / np.linalg.norm(toward, axis=1, keepdims=True), mirror.normals.astype(float))
         _, spread, ways = np.linalg.svd(rays - rays.mean(axis=0))
         assert spread[0] > 1.5 * spread[1]
-        # On the picture's side the way of the spread is that of the greatest curvature, within what the eye's own
+        # On the image's side the way of the spread is that of the greatest curvature, within what the eye's own
         # nearness adds.
         assert abs(ways[0] @ right) > np.cos(np.radians(15.0))
 

@@ -49,7 +49,7 @@ def quad(material=None, colors=None, texcoords=True, turn=0.0, tilt=0.0):
     return replace(mesh, colors=colors, texcoords=square if texcoords else None)
 
 
-def picture(mesh, lights, camera=CAMERA, sky=None, size=SIZE, method="pervertex"):
+def image(mesh, lights, camera=CAMERA, sky=None, size=SIZE, method="pervertex"):
     return drawn(Scene("quad", (mesh,), camera, tuple(lights), Sky() if sky is None else sky), method, size)
 
 
@@ -97,7 +97,7 @@ LIGHTS = {
 @pytest.mark.parametrize("lights", LIGHTS.values(), ids=LIGHTS)
 def test_lights(lights, turn, tilt):
     """Also seen from the back: the normal is turned to the side that is seen."""
-    frame = picture(quad(Diffuse((0.8, 0.5, 0.3)), turn=turn, tilt=tilt), lights)
+    frame = image(quad(Diffuse((0.8, 0.5, 0.3)), turn=turn, tilt=tilt), lights)
     around, down = np.radians(turn), np.radians(tilt)
     normal = (np.cos(down) * np.sin(around), -np.sin(down), np.cos(down) * np.cos(around))
     seen = frame.object_id == 1
@@ -109,7 +109,7 @@ def test_lights(lights, turn, tilt):
 def test_vertex_colours_are_linear_and_blend_on_the_triangle():
     colors = np.array([[1, 0, 0], [0, 1, 0], [0.2, 0, 1], [1, 0.5, 0.1]], np.float32)
     camera = Camera((1.2, 0.3, 1.2), (0.0, 0.0, 0.0), field_of_view=40.0)
-    frame = picture(quad(Diffuse((0.9, 0.8, 1.0)), colors), (AmbientLight((1, 1, 1), (1, 1, 1)),), camera)
+    frame = image(quad(Diffuse((0.9, 0.8, 1.0)), colors), (AmbientLight((1, 1, 1), (1, 1, 1)),), camera)
     seen = frame.object_id == 1
     points = frame.position[seen].astype(float)
     s, t = (points[:, :1] + 1.0) / 2.0, (points[:, 1:2] + 1.0) / 2.0
@@ -124,7 +124,7 @@ def test_textures_are_decoded_from_srgb_and_blended_in_linear_light():
     generator = np.random.default_rng(4)
     pixels = generator.integers(0, 256, (4, 4, 4), dtype=np.uint8)
     material = Diffuse((1.0, 1.0, 1.0), Texture(pixels))
-    frame = picture(quad(material), (AmbientLight((1, 1, 1), (1, 1, 1)),), replace(CAMERA, field_of_view=50.0))
+    frame = image(quad(material), (AmbientLight((1, 1, 1), (1, 1, 1)),), replace(CAMERA, field_of_view=50.0))
     seen = frame.object_id == 1
     points = frame.position[seen].astype(float)
     # Bilinear between texel centres, repeating.
@@ -165,7 +165,7 @@ def test_a_minified_chequerboard_tends_to_its_mean():
     for distance in (3.0, 12.0, 60.0):
         camera = Camera((0.0, 0.0, distance), (0.0, 0.0, 0.0), field_of_view=float(np.degrees(1.6 / distance)))
         size = (2 * int(60 / distance), 2 * int(60 / distance))
-        frame = picture(mesh, ambient, camera, size=size)
+        frame = image(mesh, ambient, camera, size=size)
         assert (frame.object_id == 1).all()
         assert frame.color.mean() == pytest.approx(0.5, abs=0.03)
         spreads.append(frame.color.std())
@@ -231,7 +231,7 @@ def test_the_skys_gradient(method):
     away = replace(quad(), positions=quad().positions + np.float32([0, 0, 50]))
     for target in [(0.0, 0.4, -1.0), (0.3, 1.0, -0.1), (0.0, -1.0, -0.4)]:
         camera = Camera((0.0, 0.0, 0.0), target, (0.0, 0.0, -1.0), 70.0)
-        frame = picture(away, (), camera, sky, method=method)
+        frame = image(away, (), camera, sky, method=method)
         assert (frame.object_id == 0).all()
         height = frame.position[..., 1:2].astype(float)
         assert frame.position == pytest.approx(
@@ -251,7 +251,7 @@ def test_the_skys_image_has_its_centre_at_minus_z_and_its_top_up():
         longitude, latitude = ((column + 0.5) / 16 - 0.5) * 2 * np.pi, (0.5 - (row + 0.5) / 8) * np.pi
         look = np.cos(latitude) * np.array([np.sin(longitude), 0, -np.cos(longitude)]) + [0, np.sin(latitude), 0]
         camera = Camera((0, 0, 0), tuple(look.tolist()), (0.3, 0.9, 0.1), 1.0)
-        frame = picture(away, (), camera, Sky(image=Texture(pixels)), size=(3, 3))
+        frame = image(away, (), camera, Sky(image=Texture(pixels)), size=(3, 3))
         assert frame.color[1, 1] == pytest.approx([decode(c) for c in pixels[row, column, :3]], abs=6e-3)
 
 
@@ -271,19 +271,19 @@ def test_all_lights_that_a_scene_may_have_shine_and_one_more_is_refused():
     dark = [DirectionalLight((0.0, 0.0, 1.0), (0.0, 0.0, 0.0))] * (MOST_LIGHTS - 1)
     bright = DirectionalLight((0.0, 0.0, 1.0), (0.5, 0.25, 0.125))
     white = quad(Diffuse((1.0, 1.0, 1.0)))
-    assert picture(white, (*dark, bright)).color[24, 32] == pytest.approx(bright.color, abs=HALF)
+    assert image(white, (*dark, bright)).color[24, 32] == pytest.approx(bright.color, abs=HALF)
     with pytest.raises(AnamorphError, match="1025 lights, and 1024 are the most"):
-        picture(white, (*dark, bright, bright))
-    # Some drivers read on beyond a uniform's end, so that a picture does not tell.
+        image(white, (*dark, bright, bright))
+    # Some drivers read on beyond a uniform's end, so that an image does not tell.
     assert f"array<Light, {MOST_LIGHTS}>" in (resources.files("anamorph") / "gpu/shading.wgsl").read_text()
 
 
 def test_a_light_that_touches_a_surface_leaves_finite_colours():
     """Also where it stands exactly at the point that a pixel sees."""
-    point = picture(quad(), ()).position[24, 32].astype(float)
+    point = image(quad(), ()).position[24, 32].astype(float)
     for height in (0.0, 1e-5, 1e-2):
         light = PointLight((float(point[0]), float(point[1]), float(point[2]) + height), (10.0, 10.0, 10.0))
-        assert np.isfinite(picture(quad(), (light,)).color).all()
+        assert np.isfinite(image(quad(), (light,)).color).all()
 
 
 def test_a_light_beyond_half_floats_is_as_bright_as_they_can_be():
@@ -309,5 +309,5 @@ def test_a_light_beyond_half_floats_is_as_bright_as_they_can_be():
 def test_an_image_of_a_texel_is_an_image(shape):
     away = replace(quad(), positions=quad().positions * np.float32(1e-3) + np.float32([50, 50, 50]))
     pixels = np.broadcast_to(np.uint8([255, 0, 0, 255]), (*shape, 4))
-    frame = picture(away, (), CAMERA, Sky(image=Texture(pixels)), size=(3, 3))
+    frame = image(away, (), CAMERA, Sky(image=Texture(pixels)), size=(3, 3))
     assert frame.color == pytest.approx(np.broadcast_to([1.0, 0.0, 0.0], (3, 3, 3)), abs=HALF)

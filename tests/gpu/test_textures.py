@@ -7,7 +7,7 @@ import pytest
 
 from anamorph.base.errors import AnamorphError
 from anamorph.gpu import textures
-from anamorph.gpu.buffers import roomy_buffer, storage_buffer
+from anamorph.gpu.buffers import grown_buffer, storage_buffer
 from anamorph.gpu.device import get_device
 from anamorph.scene.model import Texture
 
@@ -38,4 +38,4 @@ def test_more_images_or_vertices_than_the_device_takes_are_refused() -> None:
     with pytest.raises(AnamorphError, match="in one buffer"):
         storage_buffer(vertices)
     with pytest.raises(AnamorphError, match="in one buffer"):
-        roomy_buffer(None, vertices.nbytes)
+        grown_buffer(None, vertices.nbytes)

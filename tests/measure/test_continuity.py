@@ -80,7 +80,7 @@ def middles(seen):
 
 
 def seen_on_the_wall(sphere, places):
-    """Which points of the wall the exact mirror shows at picture places (N, 2)."""
+    """Which points of the wall the exact mirror shows at image places (N, 2)."""
     lines = CAMERA.directions(places, SIZE)
     offset = np.array(CAMERA.position) - sphere.center
     half = lines @ offset
@@ -139,7 +139,7 @@ def test_one_patch_has_no_border():
     for scene in (before_a_wall(spherical_mirror(5.0)), before_a_wall(spherical_mirror(), CAMERA)):
         errors = continuity(View(scene, CAMERA, SIZE), Options(field=100.0))
         assert errors.edges == errors.left_out == len(errors.points) == 0
-        assert errors.angular.max is errors.in_picture.median is None
+        assert errors.angular.max is errors.in_image.median is None
     nothing = border_errors([], None, SIZE)
     assert nothing.edges == 0 and nothing.places.shape == (0, 2)
 

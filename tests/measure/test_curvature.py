@@ -48,7 +48,7 @@ def test_the_radii_in_the_middle_are_those_of_the_formula(tilt, density):
     assert radii.point_deviation == pytest.approx(abs(radii.point_means[1] - radii.mean) / radii.mean, rel=1e-9)
 
 
-def test_a_hollow_mirror_has_negative_radii():
+def test_a_concave_mirror_has_negative_radii():
     mesh = bowl(-1.4, -1.2).mesh(6)
     assert mirror_radii(mesh).mean == pytest.approx(-1.3, rel=5e-3)
     assert (principal_radii(mesh) < 0).all()

@@ -47,15 +47,17 @@ class Options:
 
 @pytest.fixture
 def sessions(monkeypatch) -> dict[str, Any]:
-    """Three methods, by name: the truth, one that is nearly right, one whose name must be escaped."""
-    truth = plane_truth()
-    truth.specular[:4] = 0
-    truth.object_id[:, 40:] = 6
-    truth.status[:] = Status.TRACED
-    near = replace(truth, position=truth.position + np.float32([0.02, 0.0, 0.0]), status=truth.status.copy())
+    """Three methods, by name: the reference, one that is nearly right, one whose name must be escaped."""
+    reference = plane_truth()
+    reference.specular[:4] = 0
+    reference.object_id[:, 40:] = 6
+    reference.status[:] = Status.TRACED
+    near = replace(
+        reference, position=reference.position + np.float32([0.02, 0.0, 0.0]), status=reference.status.copy()
+    )
     near.status[:] = Status.WARPED
     made = {
-        "raytrace": FakeSession(truth),
+        "raytrace": FakeSession(reference),
         "pervertex": FakeSession(near),
         ODD: FakeSession(replace(near, color=0.5 * near.color)),
         compare_module.PLAIN: FakeSession(near),
@@ -231,10 +233,10 @@ def test_the_page_escapes_names_and_shows_every_figure(comparison):
     assert "anamorph compare &#x27;flat &lt;mirror&gt;&#x27;" in text
 
 
-def test_every_picture_is_a_png_with_words_and_every_table_cell_has_a_header(comparison):
+def test_every_image_is_a_png_with_words_and_every_table_cell_has_a_header(comparison):
     page = Page(comparison_page(comparison))
     images = [attributes for tag, attributes in page.tags if tag == "img"]
-    # three for each of the two methods that are not the truth, and the whole pictures
+    # three for each of the two methods that are not the reference, and the whole images
     assert len(images) == 2 * 3 + 3
     for image in images:
         assert image["alt"]
@@ -275,13 +277,15 @@ def test_what_methods_tell_of_themselves_stands_in_rows_of_its_own(comparison, c
 
 
 def test_status_shares_count_only_what_they_are_told_to():
-    truth = plane_truth()
-    truth.status[:, :24] = Status.TOTAL_REFLECTION
-    counted = np.zeros(truth.status.shape, bool)
+    reference = plane_truth()
+    reference.status[:, :24] = Status.TOTAL_REFLECTION
+    counted = np.zeros(reference.status.shape, bool)
     counted[:, 12:] = True
-    assert status_shares(truth, counted) == pytest.approx({"direct": 100 * 24 / 36, "total reflection": 100 * 12 / 36})
-    assert list(status_shares(truth, counted)) == ["direct", "total reflection"]
-    assert status_shares(truth, np.zeros_like(counted)) == {}
+    assert status_shares(reference, counted) == pytest.approx(
+        {"direct": 100 * 24 / 36, "total reflection": 100 * 12 / 36}
+    )
+    assert list(status_shares(reference, counted)) == ["direct", "total reflection"]
+    assert status_shares(reference, np.zeros_like(counted)) == {}
 
 
 def test_the_scale_is_logarithmic_and_has_ends():
@@ -294,9 +298,9 @@ def test_the_scale_is_logarithmic_and_has_ends():
 
 def test_the_heat_map_colours_only_specular_pixels(comparison):
     maps = comparison.methods[0].errors.maps
-    picture = heat_map(maps, comparison.truth_frame.color)
-    assert np.ptp(picture[:4].astype(int), axis=-1).max() == 0
-    assert np.ptp(picture[4:].astype(int), axis=-1).min() > 0
+    image = heat_map(maps, comparison.reference_frame.color)
+    assert np.ptp(image[:4].astype(int), axis=-1).max() == 0
+    assert np.ptp(image[4:].astype(int), axis=-1).min() > 0
 
 
 def test_the_box_holds_every_specular_pixel():

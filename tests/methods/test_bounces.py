@@ -65,15 +65,15 @@ def within(frame: Frame) -> np.ndarray:
 @pytest.mark.parametrize("bounces", [1, 2, 3])
 @pytest.mark.parametrize("method", [name for name in COUNTING if name != "raytrace"])
 def test_paths_end_where_those_of_rays_do(method, bounces, scene):
-    truth, frame = (built(scene, f"{name}:bounces={bounces}") for name in ("raytrace", method))
-    expected, counted = ended(truth), within(truth)
+    reference, frame = (built(scene, f"{name}:bounces={bounces}") for name in ("raytrace", method))
+    expected, counted = ended(reference), within(reference)
     if (scene, method) == ("mirror_before_lens", "trilinear"):
         # It follows no path from a mirror into a lens, not even to the lens's edge.
         expected = ended(built(scene, "raytrace:bounces=1"))
     assert counted.sum() > 1500
     # A few paths come back to the lens, which no map and no ray triangle shows.
     assert (ended(frame) == expected)[counted].mean() > 0.99
-    assert (frame.specular == truth.specular)[counted].mean() > 0.99
+    assert (frame.specular == reference.specular)[counted].mean() > 0.99
 
 
 @pytest.mark.parametrize(

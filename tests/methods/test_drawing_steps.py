@@ -47,7 +47,7 @@ def same(one: Frame, other: Frame) -> bool:
 
 @pytest.fixture
 def small_steps(monkeypatch: pytest.MonkeyPatch) -> None:
-    """So small that a small picture takes many, and always as many."""
+    """So small that a small image takes many, and always as many."""
     monkeypatch.setattr(compiled, "cores", lambda: 1)
     monkeypatch.setattr(visibility, "AT_ONCE", 3 * 8)
     monkeypatch.setattr(beams, "AT_ONCE", 3)
@@ -131,14 +131,14 @@ def test_the_device_s_time_is_that_of_all_parts(monkeypatch: pytest.MonkeyPatch)
         assert recorder.wait() == recorder.wait() == 2.0 * (parts + 1)
 
 
-def test_a_mean_can_be_left_in_the_midst_of_a_picture() -> None:
+def test_a_mean_can_be_left_in_the_midst_of_a_image() -> None:
     told = list(averaging(opened("raytrace"), SCENE.camera, 2))
     assert told == sorted(told) and told[-1] == (4, 4)
     assert told.count((0, 4)) >= 1 and set(told) == {(done, 4) for done in range(5)}
 
 
 @pytest.mark.usefixtures("small_steps")
-def test_a_turntable_left_in_the_midst_of_a_picture_leaves_nothing_behind(tmp_path: Path) -> None:
+def test_a_turntable_left_in_the_midst_of_a_image_leaves_nothing_behind(tmp_path: Path) -> None:
     saving = turntable(tmp_path / "round", SCENE, Specification.parse("raytrace"), [SCENE.camera] * 3, SIZE)
     told = [step for step, _ in zip(saving, range(12), strict=False)]
     saving.close()
@@ -217,10 +217,10 @@ def test_long_pieces_do_not_hold_a_step_up(monkeypatch: pytest.MonkeyPatch) -> N
 @given(st.integers(0, 12), st.integers(0, 2**32 - 1))
 def test_beams_in_steps_are_those_made_at_once(count: int, seed: int) -> None:
     rng = np.random.default_rng(seed)
-    picture = np.concatenate([rng.uniform(-20.0, 70.0, (count, 3, 2)), np.ones((count, 3, 1))], axis=2)
-    # Some without an area, which no picture shows.
-    picture[: count // 3, 1] = picture[: count // 3, 0]
-    rays = picture, rng.normal(size=(count, 3, 3)), rng.normal(size=(count, 3, 3))
+    image = np.concatenate([rng.uniform(-20.0, 70.0, (count, 3, 2)), np.ones((count, 3, 1))], axis=2)
+    # Some without an area, which no image shows.
+    image[: count // 3, 1] = image[: count // 3, 0]
+    rays = image, rng.normal(size=(count, 3, 3)), rng.normal(size=(count, 3, 3))
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(beams, "AT_ONCE", 4)
         parts = drain(making_beams(*rays, SIZE, 0.1, 1.0))

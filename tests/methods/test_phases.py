@@ -33,7 +33,7 @@ def test_every_method_tells_phases_that_its_frame_has_room_for(specification: st
     drawn, view = opened(specification)
     assert not drawn.phases()
     for number in range(3):
-        camera = replace(view.pinhole, position=tuple(np.add(view.pinhole.position, 1e-3 * number)))
+        camera = replace(view.pinhole_camera, position=tuple(np.add(view.pinhole_camera.position, 1e-3 * number)))
         began = perf_counter()
         drawn.draw(camera)
         submitted = 1000.0 * (perf_counter() - began)
@@ -66,13 +66,13 @@ def test_each_phase_is_what_it_is_called_after(monkeypatch: pytest.MonkeyPatch) 
     stage = Stage(view)
     slow: Any = Slow(PerVertexDrawing(stage, Options()))
     drawn = Session(stage, slow)
-    drawn.draw(view.pinhole)
+    drawn.draw(view.pinhole_camera)
     assert drawn.phases() == {"prepare": 2000.0, "record": 3000.0, "mend": 5000.0}
 
 
 def test_what_a_session_tells_is_the_asker_s_own() -> None:
     drawn, view = opened("raytrace")
-    drawn.draw(view.pinhole)
+    drawn.draw(view.pinhole_camera)
     drawn.phases().clear()
     assert list(drawn.phases())[:3] == ON_THE_PROCESSOR
 
@@ -83,7 +83,7 @@ def test_without_timestamps_the_device_is_left_out_and_frames_are_the_same(monke
     assert timing.device_timer() is None
     plain, _ = opened("pervertex")
     for drawn in (timed, plain):
-        drawn.draw(view.pinhole)
+        drawn.draw(view.pinhole_camera)
         drawn.wait()
     assert list(plain.phases()) == ON_THE_PROCESSOR
     assert np.array_equal(timed.frame().color, plain.frame().color)

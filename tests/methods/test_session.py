@@ -21,18 +21,18 @@ SIZE = (48, 36)
 
 
 @pytest.mark.parametrize("method", METHODS)
-def test_how_far_the_target_is_does_not_change_the_picture(method: str) -> None:
+def test_how_far_the_target_is_does_not_change_the_image(method: str) -> None:
     scene, _ = open_scene("flat-mirror")
     eye, target = np.array(scene.camera.position), np.array(scene.camera.target)
     far = eye + 1e4 * (target - eye)
-    pictures = [
+    images = [
         render(scene, method, replace(scene.camera, target=tuple(map(float, point))), SIZE).color
         for point in (target, far)
     ]
-    assert np.abs(pictures[0] - pictures[1]).max() < 0.02
+    assert np.abs(images[0] - images[1]).max() < 0.02
 
 
-def test_the_reference_tells_its_rays_where_no_mirror_is_in_the_picture() -> None:
+def test_the_reference_tells_its_rays_where_no_mirror_is_in_the_image() -> None:
     scene, _ = open_scene("flat-mirror")
     camera = Camera((0.0, 1.0, 4.0), (0.0, 1.0, 9.0))
     frame = render(scene, "raytrace", camera, SIZE, seen=True)

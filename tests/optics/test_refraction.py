@@ -176,12 +176,12 @@ def test_rays_take_the_way_that_light_takes_step_by_step_and_back(name, eye):
     np.testing.assert_allclose(into_eye, -way[ok], atol=1e-11)
 
 
-def test_directions_are_as_long_as_the_eyes_distance_and_the_picture_is_the_cameras():
+def test_directions_are_as_long_as_the_eyes_distance_and_the_image_is_the_cameras():
     lens, eye = lens_of(LENSES["minus"]), (0.01, 0.0, 0.06)
     rays, positions = seen(lens, eye), refractor(lens.back, lens.front).positions
     np.testing.assert_allclose(np.linalg.norm(rays.directions, axis=1), np.linalg.norm(positions - eye, axis=1))
     camera = Camera(eye, (0.0, 0.0, 0.0), field_of_view=50.0)
-    pixels = rays.picture[:, :2] / rays.picture[:, 2:]
+    pixels = rays.image[:, :2] / rays.image[:, 2:]
     np.testing.assert_allclose(camera.directions(pixels, SIZE), incident(lens, eye), atol=1e-12)
     np.testing.assert_array_equal(rays.faces, lens.back.faces)
 
@@ -236,7 +236,7 @@ def test_from_behind_the_near_face_every_vertex_is_back_facing():
 
 
 def test_a_ray_that_misses_even_the_far_surface_leaves_by_the_edge():
-    # A hollow front of 25 mm radius, and an eye so close that rays run outward in the thick edge, past that sphere.
+    # A concave front of 25 mm radius, and an eye so close that rays run outward in the thick edge, past that sphere.
     lens = lens_of(Prescription(-20.0, base_curve=-20.0, diameter=40.0))
     rays = seen(lens, (0.0, 0.0, 0.01))
     assert set(rays.status) == {RayStatus.OK, RayStatus.LEFT_BY_EDGE, RayStatus.TOTAL_REFLECTION}

@@ -32,7 +32,7 @@ POT = replace(AHEAD, position=(0.2, 0.35, 0.45), target=(0.0, 0.07, 0.0), field_
 
 
 def normal_error(mesh, camera, size):
-    """What 99% of a mesh's picture is better than, in pixels; 0 where it is not seen."""
+    """What 99% of a mesh's image is better than, in pixels; 0 where it is not seen."""
     errors, areas = normal_errors(mesh, camera, size)
     order = np.argsort(errors)
     covered = np.cumsum(areas[order])
@@ -90,7 +90,7 @@ def test_what_is_smaller_than_a_pixel_is_not_cut():
     assert refined_scene(scene, (40, 30), 0.001).meshes[0] is scene.meshes[0]
 
 
-def test_areas_are_those_of_the_picture_and_what_is_not_seen_has_no_error():
+def test_areas_are_those_of_the_image_and_what_is_not_seen_has_no_error():
     mesh = tilted(small(), 1e-3)
     errors, areas = normal_errors(mesh, AHEAD, (800, 600))
     assert areas.sum() == pytest.approx((0.02 / 2.0 / PIXEL) ** 2, rel=1e-3)
@@ -107,11 +107,11 @@ def test_areas_are_those_of_the_picture_and_what_is_not_seen_has_no_error():
 
 def test_what_is_behind_the_eye_is_not_seen():
     ball = mirror_ball("ball", (0.0, 0.0, 0.0), 0.6, 12, 24)
-    hollow = replace(ball, faces=ball.faces[:, ::-1], normals=-ball.normals, material=Glass())
+    concave = replace(ball, faces=ball.faces[:, ::-1], normals=-ball.normals, material=Glass())
     camera = Camera((0.0, 0.0, 0.1), (0.3, 0.1, -1.0), field_of_view=60.0)
-    errors, areas = normal_errors(hollow, camera, (800, 600))
-    behind = (hollow.positions - camera.position) @ camera.axes()[2] <= 0.0
-    assert not areas[behind[hollow.faces].any(axis=1)].any() and np.isfinite(errors).all()
+    errors, areas = normal_errors(concave, camera, (800, 600))
+    behind = (concave.positions - camera.position) @ camera.axes()[2] <= 0.0
+    assert not areas[behind[concave.faces].any(axis=1)].any() and np.isfinite(errors).all()
     assert 800 * 600 < areas.sum() < 2 * 800 * 600
 
 
@@ -235,7 +235,7 @@ def test_a_lens_stays_closed_around_its_edge():
     assert not open_edges(*refined.meshes)
 
 
-def test_a_ray_traced_picture_stays_what_it_was():
+def test_a_ray_traced_image_stays_what_it_was():
     patch, camera = gentle()
     floor = replace(surroundings()[0], positions=surroundings()[0].positions * np.float32(0.5))
     scene = Scene("traced", (patch, floor), camera)

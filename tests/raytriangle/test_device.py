@@ -1,6 +1,6 @@
 """Points projected on the device, in float32, against float64.
 
-"Equal" means: u and v within 1e-3 pixels of a picture where the ray triangle is 800 pixels wide. It is asked of every
+"Equal" means: u and v within 1e-3 pixels of an image where the ray triangle is 800 pixels wide. It is asked of every
 root inside the ray triangle that is well placed: the cubic's derivative, over the length of the ray's direction and the
 square of the parametric triangle's longest side, is at least 1e-4 (it is 0 on a caustic, and where the parametric
 triangle is a line), the parametric triangle is no smaller than 1e-6 of the coordinates that it comes from, and t is at
@@ -54,26 +54,27 @@ def nearest(result, other):
 
 def assert_equal(p, n, points):
     """That both find the same roots in ray triangles (K, 3, 3); the share of inside ones that are not well placed."""
-    truth, found = project_points(p, n, points), project_points_on_device(p, n, points)
+    reference, found = project_points(p, n, points), project_points_on_device(p, n, points)
     assert not (found.valid & ~found.real).any()
     assert (found.real[..., :-1] | ~found.real[..., 1:]).all()
     assert (np.diff(found.t, axis=-1)[found.real[..., 1:]] >= 0.0).all()
     assert not found.u[~found.valid].any() and not found.v[~found.valid].any() and not found.t[~found.real].any()
-    asked, told = zip(well_placed(p, n, truth), well_placed(p, n, found), strict=True)
-    for one, other, placed, within in ((truth, found, asked[0], told[0]), (found, truth, asked[1], told[1])):
+    asked, told = zip(well_placed(p, n, reference), well_placed(p, n, found), strict=True)
+    for one, other, placed, within in ((reference, found, asked[0], told[0]), (found, reference, asked[1], told[1])):
         here = one.inside & placed
         off = nearest(one, other)[here] / within[here]
         assert len(off) > 0 and off.max() <= 1.0
     # As many roots, in and near the ray triangle, for points all of whose roots are well placed.
     counts = [
-        ((np.abs(one.u - 0.5) < 1.5) & (np.abs(one.v - 0.5) < 1.5) & one.valid).sum(axis=-1) for one in (truth, found)
+        ((np.abs(one.u - 0.5) < 1.5) & (np.abs(one.v - 0.5) < 1.5) & one.valid).sum(axis=-1)
+        for one in (reference, found)
     ]
-    whole = (asked[0] | ~truth.valid).all(axis=-1) & (asked[1] | ~found.valid).all(axis=-1)
+    whole = (asked[0] | ~reference.valid).all(axis=-1) & (asked[1] | ~found.valid).all(axis=-1)
     assert whole.any() and (counts[0] == counts[1])[whole].all()
-    same = truth.inside & found.inside & asked[0] & (np.abs(truth.u - found.u) < WITHIN)
-    size = np.abs(truth.t) + np.abs(p - p.mean(axis=1, keepdims=True)).max(axis=(1, 2))[:, None, None]
-    assert (np.abs(truth.t - found.t) / np.maximum(size, 1e-300))[same].max() < 1e-6
-    return 1.0 - asked[0][truth.inside].mean()
+    same = reference.inside & found.inside & asked[0] & (np.abs(reference.u - found.u) < WITHIN)
+    size = np.abs(reference.t) + np.abs(p - p.mean(axis=1, keepdims=True)).max(axis=(1, 2))[:, None, None]
+    assert (np.abs(reference.t - found.t) / np.maximum(size, 1e-300))[same].max() < 1e-6
+    return 1.0 - asked[0][reference.inside].mean()
 
 
 @pytest.mark.parametrize("away", [0.0, 1000.0])
@@ -149,20 +150,20 @@ def test_a_point_on_a_caustic_is_reported_twice_near_it_and_not_at_all_beyond():
     top = np.array([2.0, 0.75 * 1.5, 0.0])
     depths = np.array([1e-3, 1e-5, 1e-8, -1e-5, -1e-3])
     points = top - depths[:, None] * np.array([0.0, 1.0, 0.0])
-    result, truth = project_points_on_device(p, n, points), project_points(p, n, points)
-    assert result.valid.sum(axis=1).tolist() == [2, 2, 2, 0, 0] == truth.valid.sum(axis=1).tolist()
-    assert result.u == pytest.approx(truth.u, abs=1e-4)
+    result, reference = project_points_on_device(p, n, points), project_points(p, n, points)
+    assert result.valid.sum(axis=1).tolist() == [2, 2, 2, 0, 0] == reference.valid.sum(axis=1).tolist()
+    assert result.u == pytest.approx(reference.u, abs=1e-4)
 
 
 def test_where_all_rays_cross_one_line_a_point_on_it_has_one_ray_and_one_in_the_same_plane_none():
     p = np.array([[0.1, 1.0, -2.0], [0.3, -1.0, -1.0], [-0.4, 0.2, -1.5]])
     n = np.array([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.5, 0.0, 0.0]]) - p
     points = np.array([[0.5, 0.0, 0.0], [0.25, 0.0, 0.0], [0.5, 0.1, 0.3]])
-    result, truth = project_points_on_device(p, n, points), project_points(p, n, points)
+    result, reference = project_points_on_device(p, n, points), project_points(p, n, points)
     at_line = result.valid & (np.abs(result.t - 1.0) < 1e-6)
     assert at_line.sum(axis=1).tolist() == [1, 1, 0]
     assert result.u[at_line] == pytest.approx([1 / 3, 1 / 12], abs=1e-6)
-    assert (result.valid == truth.valid).all() and result.u == pytest.approx(truth.u, abs=1e-6)
+    assert (result.valid == reference.valid).all() and result.u == pytest.approx(reference.u, abs=1e-6)
 
 
 def test_many_ray_triangles_are_projected_as_one_by_one_and_in_blocks(monkeypatch):

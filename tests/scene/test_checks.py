@@ -166,7 +166,7 @@ def test_one_mirror_that_faces_the_eye_is_enough() -> None:
         check_scene(seen_from((0.0, 0.0, 3.0), back))
 
 
-def test_glass_and_matt_parts_may_be_seen_from_anywhere() -> None:
+def test_glass_and_diffuse_parts_may_be_seen_from_anywhere() -> None:
     for material in (Glass(), Diffuse()):
         check_scene(seen_from((0.0, 0.0, -3.0), replace(SQUARE, material=material)))
 

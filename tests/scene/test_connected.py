@@ -21,7 +21,7 @@ def scene_of(*meshes):
 @settings(max_examples=30)
 @given(st.data())
 def test_the_parts_of_one_surface_are_one_body_in_any_order(data):
-    """Strips of a mirror, and of another that stands apart, among matt meshes."""
+    """Strips of a mirror, and of another that stands apart, among diffuse meshes."""
     count = data.draw(st.integers(2, 5))
     mirrors = [
         spherical_mirror(),
@@ -32,9 +32,9 @@ def test_the_parts_of_one_surface_are_one_body_in_any_order(data):
         for number, mirror in enumerate(mirrors)
         for strip, faces in enumerate(np.array_split(np.arange(len(mirror.faces)), count))
     }
-    matt = {("matt", number): mesh for number, mesh in enumerate(surroundings()[:3])}
-    order = data.draw(st.permutations([*strips, *matt]))
-    found = connected_mirrors(scene_of(*({**strips, **matt}[key] for key in order)))
+    diffuse = {("diffuse", number): mesh for number, mesh in enumerate(surroundings()[:3])}
+    order = data.draw(st.permutations([*strips, *diffuse]))
+    found = connected_mirrors(scene_of(*({**strips, **diffuse}[key] for key in order)))
     assert sorted(found) == sorted(
         tuple(place for place, key in enumerate(order) if key[0] == number) for number in (0, 1)
     )
@@ -65,7 +65,7 @@ def test_meshes_that_share_one_point_alone_are_two_bodies():
     assert connected_mirrors(scene_of(touching, joined, first, replace(flat_mirror()))) == [(0,), (1, 2), (3,)]
 
 
-def test_matt_meshes_join_nothing():
+def test_diffuse_meshes_join_nothing():
     first = triangle((0, 0, 0), (1, 0, 0), (0, 1, 0))
     between = replace(triangle((1, 0, 0), (1, 1, 0), (0, 1, 0)), material=Diffuse())
     last = triangle((1, 0, 0), (2, 0, 0), (1, 1, 0))

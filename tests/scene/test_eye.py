@@ -29,7 +29,7 @@ def test_lines_of_sight_leave_a_cameras_eye():
     assert eye_of(2.0 * eye.point).offsets(points) == pytest.approx(2.0 * (points - CAMERA.position))
     assert eye_of(-eye.point).offsets(points) == pytest.approx(CAMERA.position - points)
     assert eye_of([0.0, 0.0, 3.0, 0.0]).offsets(points).tolist() == [[0.0, 0.0, -3.0]] * 5
-    assert eye.picture(points).tolist() == CAMERA.picture(points, SIZE).tolist()
+    assert eye.image(points).tolist() == CAMERA.image(points, SIZE).tolist()
 
 
 @given(SEEDS, st.sampled_from([-0.5, 0.5, 1.4]), st.floats(3.0, 9.0))
@@ -80,7 +80,7 @@ def test_a_flat_mirror_makes_one_point_of_lines_that_run_towards_another():
 
 
 def test_a_parabolic_mirror_sends_parallel_lines_to_its_focus():
-    """Closed form of an eye at infinity before a hollow mirror: y^2 + x^2 = 4 f (z + f) around a focus at 0."""
+    """Closed form of an eye at infinity before a concave mirror: y^2 + x^2 = 4 f (z + f) around a focus at 0."""
     focal = 0.7
     x, y = np.random.default_rng(2).uniform(-0.8, 0.8, (2, 60))
     points = np.stack([x, y, (x * x + y * y) / (4.0 * focal) - focal], axis=-1)
@@ -96,11 +96,11 @@ def test_a_parabolic_mirror_sends_parallel_lines_to_its_focus():
     assert rays.unit_directions() == pytest.approx(np.tile([0.0, 0.0, 1.0], (60, 1)), abs=1e-12)
 
 
-def test_a_camera_and_its_eye_agree_on_the_picture():
+def test_a_camera_and_its_eye_agree_on_the_image():
     camera = Camera((1.0, 2.0, 3.0), (-0.5, 1.0, -2.0), (0.1, 1.0, 0.0), 50.0)
     pixels = np.random.default_rng(3).uniform((0, 0), SIZE, (40, 2))
     depths = np.random.default_rng(4).uniform(0.1, 90.0, (40, 1))
-    x, y, w = camera.eye(SIZE).picture(camera.position + depths * camera.directions(pixels, SIZE)).T
+    x, y, w = camera.eye(SIZE).image(camera.position + depths * camera.directions(pixels, SIZE)).T
     assert np.stack([x / w, y / w], axis=-1) == pytest.approx(pixels, abs=1e-9)
     assert w == pytest.approx(depths[:, 0] * (camera.directions(pixels, SIZE) @ camera.axes()[2]))
 

@@ -28,11 +28,11 @@ POLE = next(mesh for mesh in teapot((0.0, 0.0, 0.0), 0.16, 20.0, Mirror(), 7) if
 MESHES = {
     "plane": flat_mirror(),
     "sphere": spherical_mirror(),
-    "hollow sphere": spherical_mirror(-1.4),
+    "concave sphere": spherical_mirror(-1.4),
     "whole sphere": mirror_ball("ball", (0.3, -0.2, 0.1), 0.6, 6, 9),
     "patch": mesh_on(wavy(), (0, 0), (1, 1)),
     "pole of a patch": POLE,
-    "hollow patch": mesh_on(wavy(), (0, 0), (1, 1), side=-1.0),
+    "concave patch": mesh_on(wavy(), (0, 0), (1, 1), side=-1.0),
     "whole sphere of NURBS": mesh_on(sphere_surface(), (0, 0), (4, 2), (8, 6)),
     "torus of NURBS": mesh_on(torus_surface(1.0, 0.4), (0, 0), (4, 4), (9, 6)),
     "toroid": mesh_on(Toroid(np.array([0.0, 0.1, 0.2]), 5.0, -2.0, TILTED), (-0.1, -0.1), (0.1, 0.12)),
@@ -47,7 +47,7 @@ def off_surface(name, points):
     match name:
         case "plane":
             return points[:, 2]
-        case "sphere" | "hollow sphere" | "whole sphere":
+        case "sphere" | "concave sphere" | "whole sphere":
             return np.linalg.norm(points - surface.center, axis=1) / surface.radius - 1.0
         case "whole sphere of NURBS":
             return np.linalg.norm(points - [0.3, -0.2, 0.5], axis=1) / 1.4 - 1.0

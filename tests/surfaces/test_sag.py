@@ -63,8 +63,8 @@ def test_parameters_undo_position_and_the_apex_is_touched(surface):
 
 
 @given(st.floats(2.0, 15.0), st.floats(2.0, 15.0), st.booleans())
-def test_a_toroid_is_a_torus(base, cross, hollow):
-    sign = -1.0 if hollow else 1.0
+def test_a_toroid_is_a_torus(base, cross, concave):
+    sign = -1.0 if concave else 1.0
     x, y, z = (Toroid(np.zeros(3), sign * base, sign * cross).position(random_parameters())).T
     # About an axis along y, at depth 1/base: the distance from the circle of the arc's middles is 1/cross.
     lever = 1.0 / base - 1.0 / cross

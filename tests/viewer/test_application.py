@@ -31,7 +31,7 @@ from anamorph.viewer import application
 from anamorph.viewer.application import SETTLING
 from anamorph.viewer.marks import NO_MARKS, Marks
 from anamorph.viewer.showing import Showing
-from anamorph.viewer.space import Space
+from anamorph.viewer.space import PreparedScene
 from anamorph.viewer.starting import start_of
 from anamorph.viewer.state import Aspect, Drawing, EyeSide, Half, State
 
@@ -44,20 +44,20 @@ def hand(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Hand]:
     hand.close()
 
 
-def picture_of(canvas: np.ndarray, hand: Hand) -> np.ndarray:
-    """The picture on the canvas, beside the panel and without what lies over its corners."""
+def image_of(canvas: np.ndarray, hand: Hand) -> np.ndarray:
+    """The image on the canvas, beside the panel and without what lies over its corners."""
     left, top = (round(place) for place in hand.place(0.0, 0.0))
     right, bottom = (round(place) for place in hand.place(1.0, 1.0))
     return canvas[top:bottom, left:right]
 
 
 def alike(one: np.ndarray, other: np.ndarray) -> bool:
-    """Whether two pictures are the same below captions and messages, but for what rounds to another 8-bit number."""
+    """Whether two images are the same below captions and messages, but for what rounds to another 8-bit number."""
     return np.abs(one[80:].astype(int) - other[80:]).max() <= 1
 
 
 def test_the_canvas_shows_what_render_draws(hand: Hand) -> None:
-    shown = picture_of(hand.settle(), hand)
+    shown = image_of(hand.settle(), hand)
     height, width = shown.shape[:2]
     wanted = encode_srgb(np.clip(an.render("flat-mirror", size=(width, height), samples=4).color, 0, 1).astype(float))
     inside = np.s_[40:, :]
@@ -65,7 +65,7 @@ def test_the_canvas_shows_what_render_draws(hand: Hand) -> None:
 
 
 def test_a_drag_moves_the_eye_and_a_click_does_not(hand: Hand) -> None:
-    before = picture_of(hand.settle(), hand)
+    before = image_of(hand.settle(), hand)
     camera = hand.viewer.state.camera
     hand.click(*hand.place(0.6, 0.6))
     assert hand.viewer.state.camera == camera
@@ -73,18 +73,18 @@ def test_a_drag_moves_the_eye_and_a_click_does_not(hand: Hand) -> None:
     hand.drag(hand.place(0.6, 0.6), hand.place(0.7, 0.6), hand.place(0.75, 0.65))
     moved = hand.viewer.state.camera
     assert moved.target == camera.target and moved.position != camera.position
-    after = picture_of(hand.settle(), hand)
+    after = image_of(hand.settle(), hand)
     assert (np.abs(after.astype(int) - before).max(axis=-1) > 20).mean() > 0.1
     hand.key("r")
     assert hand.viewer.state.camera == camera
-    assert alike(picture_of(hand.settle(), hand), before)
+    assert alike(image_of(hand.settle(), hand), before)
 
 
 def test_clicks_that_come_all_at_once_are_all_taken_in(hand: Hand, monkeypatch: pytest.MonkeyPatch) -> None:
     hand.settle()
     asked: list[None] = []
     monkeypatch.setattr(hand.canvas, "request_draw", lambda: asked.append(None))
-    for aspect in ("status", "error", "picture", "status", "error"):
+    for aspect in ("status", "error", "image", "status", "error"):
         x, y = hand.widget(f"first/aspect/{aspect}")
         for kind in ("pointer_move", "pointer_down", "pointer_up"):
             hand.canvas.submit_event({"event_type": kind, "x": x, "y": y, "button": 1, "buttons": (), "modifiers": ()})
@@ -144,7 +144,7 @@ def test_a_pointer_that_rests_on_a_slider_is_given_a_frame_that_explains_it() ->
     before = hand.settle()
     calls.clear()
     hand.send("pointer_move", **dict(zip("xy", hand.place(0.5, 0.5), strict=True)), button=0)
-    assert not calls, "the picture has nothing to explain"
+    assert not calls, "the image has nothing to explain"
     x, y = hand.widget("mirror/swivel")
     hand.send("pointer_move", x=x, y=y, button=0)
     ((seconds, call),) = calls
@@ -157,16 +157,16 @@ def test_a_pointer_that_rests_on_a_slider_is_given_a_frame_that_explains_it() ->
 
 
 def test_a_slider_turns_the_mirror(hand: Hand) -> None:
-    before = picture_of(hand.settle(), hand)
+    before = image_of(hand.settle(), hand)
     x, y = hand.widget("mirror/swivel")
     hand.drag((x, y), (x + 10.0, y))
-    after = picture_of(hand.settle(), hand)
+    after = image_of(hand.settle(), hand)
     degrees = hand.viewer.state.values["mirror/swivel"]
     assert (np.abs(after.astype(int) - before).max(axis=-1) > 20).mean() > 0.05
     hand.send("pointer_move", x=5.0, y=295.0, button=0)
     hand.key("R", "Shift")
     assert not hand.viewer.state.values and degrees != 0.0
-    assert alike(picture_of(hand.settle(), hand), before)
+    assert alike(image_of(hand.settle(), hand), before)
 
 
 def test_halves_are_compared_across_a_divider_that_is_dragged(hand: Hand) -> None:
@@ -175,7 +175,7 @@ def test_halves_are_compared_across_a_divider_that_is_dragged(hand: Hand) -> Non
     assert hand.viewer.state.split
     hand.drag(hand.place(0.5, 0.3), hand.place(0.4, 0.3), hand.place(0.25, 0.3))
     assert hand.viewer.state.divider == pytest.approx(0.25, abs=0.02)
-    shown = picture_of(hand.settle(), hand)
+    shown = image_of(hand.settle(), hand)
     height, width = shown.shape[:2]
     for method, part in (("pervertex", np.s_[:, : width // 4 - 12]), ("raytrace", np.s_[:, width // 4 + 12 :])):
         wanted = an.render("flat-mirror", method, size=(width, height), samples=4).color
@@ -183,15 +183,15 @@ def test_halves_are_compared_across_a_divider_that_is_dragged(hand: Hand) -> Non
 
 
 def test_keys_show_layers_eyes_and_what_is_in_space(hand: Hand) -> None:
-    plain = picture_of(hand.settle(), hand)
+    plain = image_of(hand.settle(), hand)
     hand.key("2")
     assert hand.viewer.state.first.aspect is Aspect.ERROR
-    error = picture_of(hand.settle(), hand)
+    error = image_of(hand.settle(), hand)
     assert (np.abs(error.astype(int) - plain).max(axis=-1) > 20).mean() > 0.3
     hand.key("1")
     hand.key("e")
     assert hand.viewer.state.eye is not EyeSide.MIDDLE
-    assert not np.array_equal(picture_of(hand.settle(), hand), plain)
+    assert not np.array_equal(image_of(hand.settle(), hand), plain)
     hand.key("r")
     hand.key("w")
     hand.key("h")
@@ -243,10 +243,10 @@ def test_no_canvas_is_too_small(size: tuple[int, int]) -> None:
     hand.close()
 
 
-def test_a_fine_screen_gets_a_fine_picture() -> None:
+def test_a_fine_screen_gets_a_fine_image() -> None:
     hand = Hand(start_of("flat-mirror"), (400, 200), ratio=2.0)
     hand.settle()
-    assert hand.viewer.snapshot()["picture"] == ((400 - 276) * 2, (200 - 24) * 2)
+    assert hand.viewer.snapshot()["image"] == ((400 - 276) * 2, (200 - 24) * 2)
     hand.close()
 
 
@@ -283,19 +283,19 @@ def test_what_a_control_cannot_do_is_said_and_the_last_scene_stays(hand: Hand) -
     assert hand.viewer.snapshot()["message"] == ""
 
 
-def test_the_picture_is_saved_as_it_is_shown(hand: Hand, tmp_path: Path) -> None:
+def test_the_image_is_saved_as_it_is_shown(hand: Hand, tmp_path: Path) -> None:
     hand.viewer.message = "of something before"
     hand.key("p")
     assert hand.viewer.snapshot()["message"] != "of something before"
     hand.settle(lambda snapshot: (tmp_path / "flat-mirror-1.png").exists())
     assert "flat-mirror-1.png" in hand.viewer.snapshot()["message"]
     saved = np.asarray(Image.open(tmp_path / "flat-mirror-1.png"))
-    shown = picture_of(hand.settle(), hand)
+    shown = image_of(hand.settle(), hand)
     assert alike(saved, shown)
 
 
 def test_what_is_asked_for_while_something_is_saved_has_to_wait(hand: Hand, tmp_path: Path) -> None:
-    # The picture waits until it is refined.
+    # The image waits until it is refined.
     hand.viewer.state = replace(hand.viewer.state, samples=8)
     hand.key("p")
     hand.key("s", "Control")
@@ -314,13 +314,13 @@ def test_the_view_is_saved_and_opens_as_it_was(hand: Hand, tmp_path: Path) -> No
 
 
 def test_a_lost_device_is_replaced(hand: Hand) -> None:
-    before = picture_of(hand.settle(), hand)
+    before = image_of(hand.settle(), hand)
     lost = weakref.ref(get_device())
     get_device().destroy()
     hand.settle()
     assert "lost" in hand.viewer.snapshot()["message"]
     hand.click(*hand.widget("message/close"))
-    assert alike(picture_of(hand.settle(), hand), before)
+    assert alike(image_of(hand.settle(), hand), before)
     hand.key("s")
     hand.drag(hand.place(0.6, 0.6), hand.place(0.7, 0.6))
     hand.settle()
@@ -331,13 +331,13 @@ def test_a_lost_device_is_replaced(hand: Hand) -> None:
 def test_viewers_that_share_a_lost_device_all_go_on(hand: Hand) -> None:
     other = Hand(start_of("flat-mirror", "environment"))
     try:
-        before = picture_of(other.settle(), other)
+        before = image_of(other.settle(), other)
         get_device().destroy()
         for each in (hand, other):
             each.settle()
             assert "lost" in each.viewer.snapshot()["message"]
         other.click(*other.widget("message/close"))
-        assert alike(picture_of(other.settle(), other), before)
+        assert alike(image_of(other.settle(), other), before)
     finally:
         other.close()
 
@@ -384,7 +384,7 @@ def test_a_new_method_needs_no_change_to_the_viewer(monkeypatch: pytest.MonkeyPa
     assert str(hand.viewer.state.first.method) == "toy:grain=7"
     assert set(drawn) == {1, 7}
     hand.send("pointer_move", x=5.0, y=495.0, button=0)
-    shown = picture_of(hand.settle(), hand)
+    shown = image_of(hand.settle(), hand)
     wanted = an.render("flat-mirror", "raytrace", size=shown.shape[1::-1]).color
     differs = np.abs(shown - 255.0 * encode_srgb(np.clip(wanted, 0, 1).astype(float)))[80:]
     assert differs.max() < 2.5, np.percentile(differs, [50, 99, 99.9, 100])
@@ -416,19 +416,19 @@ def unreadable(view: View, options: Any) -> Session:
 def test_a_method_that_fails_is_told_of_and_the_rest_goes_on(
     hand: Hand, monkeypatch: pytest.MonkeyPatch, opened: Callable[[View, Any], Session], said: str
 ) -> None:
-    before = picture_of(hand.settle(), hand)
+    before = image_of(hand.settle(), hand)
     toy(monkeypatch, opened)
     show(hand, first=Half(Specification.parse("toy"), Aspect.STATUS), split=True)
     told = hand.viewer.snapshot()["message"]
     assert said in told and "\n" not in told
-    assert np.ptp(picture_of(hand.draw(), hand)[100:, 160:].astype(int)) > 50
+    assert np.ptp(image_of(hand.draw(), hand)[100:, 160:].astype(int)) > 50
     show(hand, first=Half(Specification.parse("pervertex")), split=False)
     assert not hand.viewer.snapshot()["message"]
-    assert alike(picture_of(hand.draw(), hand), before)
+    assert alike(image_of(hand.draw(), hand), before)
 
 
 def test_what_cannot_be_measured_is_told_of(hand: Hand, monkeypatch: pytest.MonkeyPatch) -> None:
-    def refusing(truth: Frame, frame: Frame) -> None:
+    def refusing(reference: Frame, frame: Frame) -> None:
         raise AnamorphError("frame: it cannot be measured")
 
     hand.settle()
@@ -447,7 +447,7 @@ def test_what_is_in_space_follows_the_other_half(hand: Hand, monkeypatch: pytest
     )
     asked: list[State] = []
 
-    def marking(space: Space, state: State, *others: Any) -> Marks:
+    def marking(space: PreparedScene, state: State, *others: Any) -> Marks:
         asked.append(state)
         return NO_MARKS
 
@@ -490,7 +490,7 @@ def test_every_builtin_scene_opens() -> None:
         hand.close()
 
 
-def test_keys_pointer_and_panel_answer_while_a_slow_picture_is_drawn(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_keys_pointer_and_panel_answer_while_a_slow_image_is_drawn(monkeypatch: pytest.MonkeyPatch) -> None:
     showing = Showing()
     monkeypatch.setattr(application, "Showing", lambda: showing)
     hand = Hand(start_of("flat-mirror"))
@@ -508,14 +508,14 @@ def test_keys_pointer_and_panel_answer_while_a_slow_picture_is_drawn(monkeypatch
     hand.drag(hand.place(0.5, 0.5), hand.place(0.6, 0.5))
     assert showing.moving and viewer.state.camera != viewer.start.state.camera
     left = hand.viewer.snapshot()["covered"][0][2]
-    assert np.array_equal(hand.draw()[:, int(left) + 1 :], before[:, int(left) + 1 :]), "the last finished picture"
+    assert np.array_equal(hand.draw()[:, int(left) + 1 :], before[:, int(left) + 1 :]), "the last finished image"
     while showing.moving:
         hand.draw()
     assert not np.array_equal(hand.draw()[:, int(left) + 1 :], before[:, int(left) + 1 :])
     hand.close()
 
 
-def test_a_page_that_takes_long_to_show_pictures_is_sent_fewer(hand: Hand, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_page_that_takes_long_to_show_images_is_sent_fewer(hand: Hand, monkeypatch: pytest.MonkeyPatch) -> None:
     def frames_to_rest(seconds_between: float) -> int:
         now = count(0.0, 0.001)
         late = [0.0]

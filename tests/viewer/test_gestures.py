@@ -58,7 +58,7 @@ def at_target(camera, x, y):
 
 
 def shown(camera, point):
-    x, y, w = camera.picture(np.array([point]), SIZE)[0]
+    x, y, w = camera.image(np.array([point]), SIZE)[0]
     return x / w, y / w
 
 

@@ -112,13 +112,13 @@ class Strengths:
 
 
 def test_a_method_that_is_added_appears_with_its_options_and_is_drawn(monkeypatch):
-    truth, opened = METHODS["raytrace"], []
+    reference, opened = METHODS["raytrace"], []
 
     def open_session(view: View, options: Strengths) -> Session:
         opened.append(options)
-        return truth.open(view, truth.options())
+        return reference.open(view, reference.options())
 
-    added = Method("added", "draws as the truth does", "nowhere", Strengths, open_session, refracts=True)
+    added = Method("added", "draws as the reference does", "nowhere", Strengths, open_session, refracts=True)
     monkeypatch.setitem(METHODS, "added", added)
     hand = Hand(start_of("flat-mirror"))
     try:
@@ -143,10 +143,10 @@ def test_a_method_that_is_added_appears_with_its_options_and_is_drawn(monkeypatc
 
 @pytest.fixture(scope="module")
 def shots():
-    """What the script of the pictures makes."""
+    """What the script of the images makes."""
     return runpy.run_path(str(ROOT / "docs" / "make_viewer.py"))["SHOTS"]
 
 
-def test_every_picture_is_one_that_the_script_makes(shots):
-    kept = {path.stem for path in (ROOT / "docs" / "pictures" / "viewer").iterdir()}
+def test_every_image_is_one_that_the_script_makes(shots):
+    kept = {path.stem for path in (ROOT / "docs" / "images" / "viewer").iterdir()}
     assert kept == set(shots)

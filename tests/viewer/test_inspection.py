@@ -1,4 +1,4 @@
-"""What the viewer tells of one pixel, against closed forms and against the frames of the truth."""
+"""What the viewer tells of one pixel, against closed forms and against the frames of the reference."""
 
 from __future__ import annotations
 
@@ -20,12 +20,12 @@ from anamorph.scene.model import Diffuse, Glass, Scene
 from anamorph.viewer.facts import Inspection
 from anamorph.viewer.inspection import inspect, trace_path
 from anamorph.viewer.measured import measure_half
-from anamorph.viewer.space import Space
+from anamorph.viewer.space import PreparedScene
 
 
 @cache
-def space_of(name: str) -> Space:
-    return Space(scene_with(flat_mirror()) if name == "test" else gallery.make(name))
+def space_of(name: str) -> PreparedScene:
+    return PreparedScene(scene_with(flat_mirror()) if name == "test" else gallery.make(name))
 
 
 @cache
@@ -65,7 +65,7 @@ def test_in_a_flat_mirror_the_path_is_the_straight_line_from_the_mirrored_eye():
             continue
         looked += 1
         # What the method shows is exact there, and lies as far away as in the mirrored scene.
-        assert found.seen == found.truth == names[2]
+        assert found.seen == found.reference == names[2]
         assert found.point == pytest.approx(points(found)[2], abs=2e-4)
         assert found.distance == pytest.approx(np.linalg.norm(way), rel=1e-4)
         assert found.status == "warped"
@@ -85,11 +85,11 @@ def test_what_is_seen_directly_has_one_leg():
 
 def test_a_sky_pixel_goes_as_far_as_the_scene_is_large():
     scene = sky_scene(flat_mirror())
-    space = Space(scene)
+    space = PreparedScene(scene)
     frame = drawn(scene, "raytrace")
     for pixel, names in [((1, 1), ["eye", "sky"]), ((80, 60), ["eye", "mirror", "sky"])]:
         found = inspect(space, CAMERA, pixel, "raytrace", measure_half(frame, frame))
-        assert [stop.name for stop in found.path] == names and found.seen == found.truth == "sky"
+        assert [stop.name for stop in found.path] == names and found.seen == found.reference == "sky"
         assert found.point is None and found.distance is None and found.status == "sky"
         last = points(found)[-1] - points(found)[-2]
         assert np.linalg.norm(last) == pytest.approx(space.surroundings.diagonal, rel=1e-5)
@@ -139,11 +139,14 @@ def test_a_path_is_followed_into_glass_and_round_a_total_reflection():
     side = 0.5 - 0.2 / inside
     across = 0.2 - inside * (side + 0.5)
     wanted = [camera.position, (0, 0, 0.5), (0.2, 0, side), (across, 0, -0.5), (across - 1.5 * slope, 0, -2.0)]
-    path = trace_path(Space(scene), camera, size, (1, 1))
+    path = trace_path(PreparedScene(scene), camera, size, (1, 1))
     assert [stop.name for stop in path] == ["eye", "block", "block", "block", "wall"]
     assert np.array([stop.point for stop in path]) == pytest.approx(np.array(wanted), abs=1e-5)
     frame = drawn(scene, "raytrace", size)
-    assert inspect(Space(scene), camera, (1, 1), "raytrace", measure_half(frame, frame)).status == "total reflection"
+    assert (
+        inspect(PreparedScene(scene), camera, (1, 1), "raytrace", measure_half(frame, frame)).status
+        == "total reflection"
+    )
 
 
 def test_a_path_stops_after_eight_bounces():
@@ -153,15 +156,15 @@ def test_a_path_stops_after_eight_bounces():
     )
     camera = Camera((0.0, 0.0, 0.5), (0.05, 0.0, 0.0), field_of_view=0.5)
     scene = Scene("tunnel", mirrors, camera)
-    path = trace_path(Space(scene), camera, (3, 3), (1, 1))
+    path = trace_path(PreparedScene(scene), camera, (3, 3), (1, 1))
     # The ninth mirror ends it.
     assert [stop.name for stop in path] == ["eye", *["front", "back"] * 4, "front"]
     turns = np.arange(9)
     wanted = np.column_stack([0.05 + 0.1 * turns, np.zeros(9), turns % 2])
     assert np.array([stop.point for stop in path[1:]]) == pytest.approx(wanted, abs=1e-6)
     frame = drawn(scene, "raytrace", (3, 3))
-    found = inspect(Space(scene), camera, (1, 1), "raytrace", measure_half(frame, frame))
-    assert found.status == "outside" and found.seen == found.truth == "front"
+    found = inspect(PreparedScene(scene), camera, (1, 1), "raytrace", measure_half(frame, frame))
+    assert found.status == "outside" and found.seen == found.reference == "front"
     assert found.distance == pytest.approx(np.hypot(8.5, 0.85), rel=1e-5)
 
 
@@ -180,7 +183,7 @@ def test_what_shows_nothing_says_so():
     empty = replace(frame, object_id=np.zeros_like(frame.object_id), position=np.zeros_like(frame.position))
     found = inspect(space_of("test"), CAMERA, (80, 60), "pervertex", measure_half(frame_of("test", "raytrace"), empty))
     assert found.seen == "nothing" and found.point is None and found.distance is None
-    assert found.truth == found.path[-1].name != "nothing"
+    assert found.reference == found.path[-1].name != "nothing"
 
 
 def test_what_the_method_sees_directly_lies_straight_ahead_whatever_the_truth_does():
@@ -195,5 +198,5 @@ def test_what_the_method_sees_directly_lies_straight_ahead_whatever_the_truth_do
 
 @pytest.mark.parametrize("pixel", [(-1, 0), (0, -1), (SIZE[0], 0), (0, SIZE[1])])
 def test_a_pixel_outside_is_refused(pixel):
-    with pytest.raises(AnamorphError, match=r"pixel .*outside the picture of 160 x 120"):
+    with pytest.raises(AnamorphError, match=r"pixel .*outside the image of 160 x 120"):
         inspected("test", pixel)

@@ -1,4 +1,4 @@
-"""The line renderer against a picture of the same lines made with numpy, and where lines run through the eye."""
+"""The line renderer against an image of the same lines made with numpy, and where lines run through the eye."""
 
 from __future__ import annotations
 
@@ -45,13 +45,13 @@ def drawn(marks: Marks, halo: bool = False, form: str = "rgba8unorm", ratio: flo
     device.queue.submit([encoder.finish()])
     layout = {"bytes_per_row": 4 * SIZE[0], "rows_per_image": SIZE[1]}
     data = device.queue.read_texture({"texture": texture}, layout, (*SIZE, 1))
-    picture = np.frombuffer(data, np.uint8).reshape(SIZE[1], SIZE[0], 4) / 255.0
-    assert (picture[..., 3] == 1.0).all()
-    return picture[..., :3]
+    image = np.frombuffer(data, np.uint8).reshape(SIZE[1], SIZE[0], 4) / 255.0
+    assert (image[..., 3] == 1.0).all()
+    return image[..., :3]
 
 
 def distances(ends: np.ndarray) -> np.ndarray:
-    """How far each pixel's centre is from the picture of a segment (2, 3), (H, W) pixels; infinite for none."""
+    """How far each pixel's centre is from the image of a segment (2, 3), (H, W) pixels; infinite for none."""
     homogeneous = np.column_stack([ends, np.ones(2)]) @ CLIP.T
     heights = homogeneous[:, 3] - homogeneous[:, 2]
     if (heights < 0.0).all():
@@ -80,8 +80,8 @@ def expected(ends, color, width: float, rim: float = 0.0) -> np.ndarray:
 
 LINES = {
     "level": [[-0.8, 0.3, 0.0], [0.7, 0.3, 0.0]],
-    "aslant": [[-0.9, -0.7, 0.5], [0.8, 0.5, -1.0]],
-    "beyond the picture": [[-40.0, 0.2, -3.0], [60.0, -1.0, -3.0]],
+    "oblique": [[-0.9, -0.7, 0.5], [0.8, 0.5, -1.0]],
+    "beyond the image": [[-40.0, 0.2, -3.0], [60.0, -1.0, -3.0]],
     "from behind the eye": [[0.5, 0.4, 9.0], [-0.4, -0.3, -2.0]],
     "from beside the eye": [[0.7, 0.1, 4.0], [-0.4, -0.3, -2.0]],
     "from in front to far behind": [[0.3, -0.2, 1.0], [5.0, 3.0, 400.0]],
@@ -97,11 +97,11 @@ LINES = {
 @pytest.mark.parametrize("ends", LINES.values(), ids=LINES)
 def test_a_line_is_where_numpy_draws_it(ends, width, alpha, halo):
     color = (*ORANGE[:3], alpha)
-    picture = drawn(line_marks([ends], color, width), halo)
-    assert picture == pytest.approx(expected(ends, color, width, HALO if halo else 0.0), abs=0.012)
+    image = drawn(line_marks([ends], color, width), halo)
+    assert image == pytest.approx(expected(ends, color, width, HALO if halo else 0.0), abs=0.012)
 
 
-def test_the_numpy_lines_are_in_the_picture_but_for_those_that_cannot_be():
+def test_the_numpy_lines_are_in_the_image_but_for_those_that_cannot_be():
     empty = {name for name, ends in LINES.items() if (expected(ends, ORANGE, 3.0) == GREY).all()}
     assert empty == {"outside", "behind"}
 
@@ -127,16 +127,16 @@ def test_later_lines_cover_earlier_ones():
 
 
 def test_widths_are_logical_pixels():
-    ends = LINES["aslant"]
+    ends = LINES["oblique"]
     assert drawn(line_marks([ends], ORANGE, 2.0), ratio=2.0) == pytest.approx(expected(ends, ORANGE, 4.0), abs=0.012)
 
 
 @pytest.mark.parametrize("form", ["rgba8unorm", "rgba8unorm-srgb"])
 def test_colours_are_linear_whatever_the_target_holds(form):
     place = [0.2, 0.1, 0.0]
-    picture = drawn(dot_marks([place], (0.2, 0.02, 0.7, 1.0), 8.0), form=form)
+    image = drawn(dot_marks([place], (0.2, 0.02, 0.7, 1.0), 8.0), form=form)
     middle = distances(np.array([place, place])) < 5.0
-    assert picture[middle] == pytest.approx(
+    assert image[middle] == pytest.approx(
         np.tile(encode_srgb(np.array([0.2, 0.02, 0.7])), (middle.sum(), 1)), abs=0.005
     )
 
@@ -157,8 +157,8 @@ def test_once_warm_nothing_is_created(monkeypatch):
 
 def test_what_is_uploaded_replaces_what_was_there():
     drawn(line_marks([LINES["level"]] * 40, ORANGE, 4.0))
-    assert drawn(line_marks([LINES["aslant"]], ORANGE, 2.0)) == pytest.approx(
-        expected(LINES["aslant"], ORANGE, 2.0), abs=0.012
+    assert drawn(line_marks([LINES["oblique"]], ORANGE, 2.0)) == pytest.approx(
+        expected(LINES["oblique"], ORANGE, 2.0), abs=0.012
     )
     assert (drawn(joined([])) == drawn(line_marks(np.zeros((0, 2, 3)), ORANGE))).all()
     assert drawn(joined([])) == pytest.approx(np.broadcast_to(GREY, (*SIZE[::-1], 3)), abs=0.003)
@@ -176,12 +176,12 @@ behind = st.tuples(near, near, st.floats(0.01, 50.0)).map(
 @given(first=st.one_of(points, behind), second=st.one_of(points, behind), width=st.floats(0.1, 12.0))
 def test_any_line_is_where_numpy_draws_it(first, second, width):
     ends = np.array([first, second]).astype(np.float32).astype(float)
-    # A line that passes the eye closely has a picture that float32 cannot place.
+    # A line that passes the eye closely has an image that float32 cannot place.
     way = ends[1] - ends[0]
     share = np.clip((EYE - ends[0]) @ way / max(way @ way, 1e-12), 0.0, 1.0)
     assume(np.linalg.norm(ends[0] + share * way - EYE) > 0.05)
-    picture, wanted = drawn(line_marks([ends], ORANGE, width)), expected(ends, ORANGE, width)
-    assert np.abs(picture - wanted).max() < 0.06
+    image, wanted = drawn(line_marks([ends], ORANGE, width)), expected(ends, ORANGE, width)
+    assert np.abs(image - wanted).max() < 0.06
 
 
 @settings(max_examples=25)
@@ -199,17 +199,17 @@ def test_what_stands_in_the_eye_itself_is_not_drawn(eye, scale, width):
     x, y, z = (scale * value for value in eye)
     camera = Camera((x, y, z), (x + 0.3, y - 0.2, z - 1.0))
     marks = joined([dot_marks([camera.position], ORANGE, 6.0), line_marks([[camera.position] * 2], ORANGE, width)])
-    picture = drawn(marks, clip=camera_projection(camera, SIZE).clip)
-    assert picture == pytest.approx(np.broadcast_to(GREY, (*SIZE[::-1], 3)), abs=0.003)
+    image = drawn(marks, clip=camera_projection(camera, SIZE).clip)
+    assert image == pytest.approx(np.broadcast_to(GREY, (*SIZE[::-1], 3)), abs=0.003)
 
 
 @settings(max_examples=40)
-@given(first=points, share=st.sampled_from([0.0, 0.5, 1.0]), width=st.floats(0.1, 6.0))
+@given(first=points, transmittance=st.sampled_from([0.0, 0.5, 1.0]), width=st.floats(0.1, 6.0))
 def test_a_line_through_the_eye_shows_at_least_its_point(first, share, width):
     """What rounding adds to that point cannot be foretold."""
     depth = (first - EYE) @ FORWARD
     assume(abs(depth) > 0.2)
-    picture = drawn(line_marks([np.array([first, EYE + share * (EYE - first)])], ORANGE, width))
+    image = drawn(line_marks([np.array([first, EYE + share * (EYE - first)])], ORANGE, width))
     if depth > 0.0:
         core = distances(np.array([first, first])) <= max(0.5 * width, 0.5) - 0.5
-        assert (np.abs(picture - GREY).max(axis=2)[core] > 0.02).all()
+        assert (np.abs(image - GREY).max(axis=2)[core] > 0.02).all()

@@ -72,70 +72,70 @@ def test_each_unit_shows_its_own_map() -> None:
 
 @settings(max_examples=60)
 @given(st.lists(st.floats(0.0, 8.0, width=16), min_size=3, max_size=3))
-def test_the_picture_stays_as_a_grey_between_three_quarters_and_white(color: list[float]) -> None:
-    picture = np.array([[color]], np.float32)
-    grey = 255.0 * (0.75 + 0.2 * float(encode_srgb(picture).mean()))
-    layer = faint(picture)
+def test_the_image_stays_as_a_grey_between_three_quarters_and_white(color: list[float]) -> None:
+    image = np.array([[color]], np.float32)
+    grey = 255.0 * (0.75 + 0.2 * float(encode_srgb(image).mean()))
+    layer = faint(image)
     assert np.abs(layer[0, 0, :3].astype(float) - grey).max() <= 1.0
     assert layer[0, 0, 3] == 255
 
 
-def test_silhouettes_and_other_objects_are_marked_and_the_rest_is_the_picture() -> None:
-    truth = plane_truth()
-    truth.object_id[:, 24:] = 6
-    truth.specular[:8] = 0
-    objects = truth.object_id.copy()
+def test_silhouettes_and_other_objects_are_marked_and_the_rest_is_the_image() -> None:
+    reference = plane_truth()
+    reference.object_id[:, 24:] = 6
+    reference.specular[:8] = 0
+    objects = reference.object_id.copy()
     objects[20, 5] = 9
-    frame = replace(truth, object_id=objects, position=truth.position + np.float32([0.02, 0.0, 0.0]))
-    measured = measure_half(truth, frame)
+    frame = replace(reference, object_id=objects, position=reference.position + np.float32([0.02, 0.0, 0.0]))
+    measured = measure_half(reference, frame)
     for unit in ("mrad", "px"):
         layer = error_colors(measured, unit)[..., :3]
         assert (layer[10:, 23:25] == SILHOUETTE).all()
         assert (layer[20, 5] == OTHER_OBJECT).all()
-        assert np.array_equal(layer[:7], faint(truth.color)[:7, :, :3])
+        assert np.array_equal(layer[:7], faint(reference.color)[:7, :, :3])
         assert np.ptp(layer[21:, :20].astype(int), axis=-1).min() > 0
     assert set(ERROR_COLORS.values()) == {SILHOUETTE, OTHER_OBJECT}
 
 
 def test_a_half_is_told_in_figures() -> None:
-    truth = plane_truth()
-    truth.status[:] = Status.TRACED
-    truth.status[:, :12] = Status.OUTSIDE
-    moved = replace(truth, position=truth.position + np.float32([0.02, 0.0, 0.0]))
-    figures = measure_half(truth, moved).figures
+    reference = plane_truth()
+    reference.status[:] = Status.TRACED
+    reference.status[:, :12] = Status.OUTSIDE
+    moved = replace(reference, position=reference.position + np.float32([0.02, 0.0, 0.0]))
+    figures = measure_half(reference, moved).figures
     assert figures.pixels.median == pytest.approx(0.02 * 50.0 / 10.0, rel=2e-2)
     assert figures.other_object_percent == 0.0
     assert figures.status_percent == pytest.approx({"traced": 75.0, "outside": 25.0})
 
 
-def test_a_picture_without_mirrors_has_layers_and_no_figures() -> None:
-    truth = plane_truth()
-    truth.specular[:] = 0
-    measured = measure_half(truth, truth)
+def test_a_image_without_mirrors_has_layers_and_no_figures() -> None:
+    reference = plane_truth()
+    reference.specular[:] = 0
+    measured = measure_half(reference, reference)
     assert measured.figures.angular_mrad.max is measured.figures.other_object_percent is None
-    assert np.array_equal(error_colors(measured, "px"), faint(truth.color))
+    assert np.array_equal(error_colors(measured, "px"), faint(reference.color))
 
 
 @pytest.mark.parametrize("status", Status)
 def test_every_status_has_its_colour(status: Status) -> None:
-    truth = plane_truth()
-    truth.status[:] = status
-    layer = status_colors(truth)
+    reference = plane_truth()
+    reference.status[:] = status
+    layer = status_colors(reference)
     if status is Status.DIRECT:
-        assert np.array_equal(layer, faint(truth.color))
+        assert np.array_equal(layer, faint(reference.color))
         assert np.abs(layer[..., :3].astype(int) - STATUS_COLORS[status]).max() <= 40
     else:
         assert (layer == (*STATUS_COLORS[status], 255)).all()
 
 
 def test_the_sky_beside_a_mirror_is_seen_directly_but_not_through_a_ray_mesh() -> None:
-    truth = plane_truth()
-    truth.status[:] = Status.SKY
-    truth.specular[:16] = 0
-    layer = status_colors(truth)
-    assert np.array_equal(layer[:16], faint(truth.color)[:16])
+    reference = plane_truth()
+    reference.status[:] = Status.SKY
+    reference.specular[:16] = 0
+    layer = status_colors(reference)
+    assert np.array_equal(layer[:16], faint(reference.color)[:16])
     assert (layer[16:, :, :3] == STATUS_COLORS[Status.SKY]).all()
-    assert (status_colors(replace(truth, ray_mesh=True))[..., :3] == STATUS_COLORS[Status.SKY]).all()
+    assert (status_colors(replace(reference, ray_mesh=True))[..., :3] == STATUS_COLORS[Status.SKY]).all()
 
 
 def test_ticks_stand_where_their_colours_do() -> None:
@@ -149,11 +149,11 @@ def test_ticks_stand_where_their_colours_do() -> None:
 
 
 def test_what_cannot_be_shown_is_named() -> None:
-    truth = plane_truth()
+    reference = plane_truth()
     with pytest.raises(AnamorphError, match="'furlong'; give mrad or px"):
-        error_colors(measure_half(truth, truth), "furlong")
+        error_colors(measure_half(reference, reference), "furlong")
     with pytest.raises(AnamorphError, match=r"'status' buffer.*seen=True"):
-        status_colors(Frame(truth.color))
+        status_colors(Frame(reference.color))
 
 
 EYES = {

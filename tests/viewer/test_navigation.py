@@ -61,13 +61,13 @@ def away(camera):
 
 
 def at_target(camera, right, up):
-    """The world point at the target's distance that the picture shows there, in shares of its height."""
+    """The world point at the target's distance that the image shows there, in shares of its height."""
     height = 2.0 * distance(camera) * np.tan(np.radians(camera.field_of_view) / 2.0)
     return camera.target + height * (right * camera.axes()[0] + up * camera.axes()[1])
 
 
 def shown(camera, point):
-    x, y, w = camera.picture(np.array([point]), SIZE)[0]
+    x, y, w = camera.image(np.array([point]), SIZE)[0]
     return np.array([(x / w - SIZE[0] / 2) / SIZE[1], (SIZE[1] / 2 - y / w) / SIZE[1]])
 
 
@@ -93,7 +93,7 @@ def test_orbiting_keeps_target_distance_and_horizon(camera, right, up):
     assert moved.target == camera.target and moved.up == camera.up
     assert distance(moved) == pytest.approx(distance(camera), rel=1e-9, abs=1e-9)
     assert abs(rise(moved, away(moved))) <= STEEPEST + 1e-6
-    assert moved.axes()[1] @ camera.up > 0.0, "the picture never stands on its head"
+    assert moved.axes()[1] @ camera.up > 0.0, "the image never stands on its head"
 
 
 @given(cameras(), angles, angles)
@@ -166,7 +166,7 @@ def test_a_zoom_is_undone_by_its_inverse(camera, factor, x, y):
 
 
 @given(cameras(), factors)
-def test_magnifying_scales_the_picture_around_its_middle(camera, factor):
+def test_magnifying_scales_the_image_around_its_middle(camera, factor):
     moved = magnify(camera, factor)
     assert NARROWEST <= moved.field_of_view <= WIDEST
     assert (moved.position, moved.target) == (camera.position, camera.target)

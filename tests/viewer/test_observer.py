@@ -22,14 +22,14 @@ def test_an_observer_sees_eye_and_mirror_from_aside_and_above(name):
     observer = first_observer(scene, scene.camera)
     size = (600, 600)
     points = np.array([scene.camera.position, np.add(scene.camera.position, scene.camera.axes()[2] * 1e-3)])
-    x, y, depth = observer.picture(points, size).T
+    x, y, depth = observer.image(points, size).T
     assert (depth > 0.0).all() and (np.abs(np.stack([x, y]) / depth - 300.0) < 300.0).all()
     aside = np.subtract(observer.position, observer.target)
     right, up, _ = scene.camera.axes()
     assert up @ aside > 0.0 and abs(right @ aside) > 0.3 * np.linalg.norm(aside)
     specular = [mesh for mesh in scene.meshes if mesh.specular]
     if specular:
-        seen = [observer.picture(mesh.positions, size) for mesh in specular]
+        seen = [observer.image(mesh.positions, size) for mesh in specular]
         inside = [(np.abs(each[:, :2] / each[:, 2:] - 300.0) < 300.0).all() and (each[:, 2] > 0).all() for each in seen]
         assert any(inside), "all of the mirror that is looked at"
 

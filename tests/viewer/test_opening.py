@@ -1,4 +1,4 @@
-"""Opening another scene from within the viewer: the panel's page for it, and what stays of the old scene's picture."""
+"""Opening another scene from within the viewer: the panel's page for it, and what stays of the old scene's image."""
 
 from __future__ import annotations
 

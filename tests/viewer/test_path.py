@@ -169,7 +169,7 @@ def test_a_view_that_one_goes_to_is_shown_and_only_who_looks_moves(state: State,
 
 
 @given(states, st.tuples(st.floats(0.0, 1.0), st.floats(0.0, 1.0)))
-def test_a_pixel_is_his_into_whose_picture_was_clicked(state: State, place: tuple[float, float]) -> None:
+def test_a_pixel_is_his_into_whose_image_was_clicked(state: State, place: tuple[float, float]) -> None:
     looked = with_picked(state, place)
     assert looked.picked == place and looked.picked_outside is (state.observer is not None)
     assert with_picked(looked, None) == state

@@ -1,4 +1,4 @@
-"""What the viewer saves beside the view: pictures, comparisons and turntables, step by step, whole or not at all."""
+"""What the viewer saves beside the view: images, comparisons and turntables, step by step, whole or not at all."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from anamorph.methods import Specification
 from anamorph.rendering import render
 from anamorph.scene.camera import Camera
 from anamorph.viewer.facts import Progress
-from anamorph.viewer.saving import Saving, free_name, save_comparison, save_picture
+from anamorph.viewer.saving import Saving, free_name, save_comparison, save_image
 from anamorph.viewer.turntable import orbit, turntable
 
 SIZE = (48, 32)
@@ -55,17 +55,17 @@ def test_any_name_of_a_scene_makes_a_plain_one(stem):
     assert not set(name) & set('/\\:*?"<>|\0\n ')
 
 
-def test_a_picture_is_saved_as_it_is_shown(tmp_path):
+def test_a_image_is_saved_as_it_is_shown(tmp_path):
     linear = np.linspace(0.0, 1.0, 4 * 5 * 3, dtype=np.float32).reshape(4, 5, 3)
     shown = np.round(255 * encode_srgb(linear)).astype(np.uint8)
     for name, color in (("shown.png", shown), ("turned.png", shown[::-1][::-1])):
-        assert save_picture(tmp_path / name, color) == f"saved {name}"
+        assert save_image(tmp_path / name, color) == f"saved {name}"
         with Image.open(tmp_path / name) as image:
             assert np.array_equal(np.asarray(image), shown)
     with pytest.raises(AnamorphError, match=r"end the name in \.png"):
-        save_picture(tmp_path / "a.gif", shown)
+        save_image(tmp_path / "a.gif", shown)
     with pytest.raises(AnamorphError, match="there is no directory"):
-        save_picture(tmp_path / "no" / "a.png", shown)
+        save_image(tmp_path / "no" / "a.png", shown)
 
 
 def figures(comparison: Comparison) -> dict:
@@ -151,15 +151,15 @@ def test_a_series_holds_each_frame_as_render_draws_it(tmp_path):
     )
     assert said == "saved series" and os.listdir(tmp_path) == ["series"]
     assert [step.done for step in told] == list(range(21)) and {step.total for step in told} == {20}
-    pictures = []
+    images = []
     for number, camera in enumerate(path, start=1):
         with Image.open(tmp_path / "series" / f"frame-{number:04}.png") as image:
-            pictures.append(np.asarray(image))
+            images.append(np.asarray(image))
         drawn = render(scene, "pervertex", camera=camera, size=SIZE, samples=2)
-        assert np.array_equal(pictures[-1], np.round(255 * encode_srgb(drawn.color)).astype(np.uint8))
-    assert len({picture.tobytes() for picture in pictures}) == 5
+        assert np.array_equal(images[-1], np.round(255 * encode_srgb(drawn.color)).astype(np.uint8))
+    assert len({image.tobytes() for image in images}) == 5
     plain = render(scene, "pervertex", camera=path[-1], size=SIZE)
-    assert np.mean(pictures[-1]) == pytest.approx(255 * np.mean(encode_srgb(plain.color)), abs=3.0)
+    assert np.mean(images[-1]) == pytest.approx(255 * np.mean(encode_srgb(plain.color)), abs=3.0)
     assert len(list((tmp_path / "series").iterdir())) == 5
 
 

@@ -55,10 +55,10 @@ def after(name, *modifiers, state=STATE, home=HOME):
         (key("v"), {"drawings": {Drawing.VIEWPOINT}}),
         (key("b"), {"drawings": {Drawing.VOLUME}}),
         (key("B"), {"drawings": {Drawing.VOLUME}}),
-        (key("1"), {"first": Half(Specification.parse("pervertex:refine=2"), Aspect.PICTURE)}),
+        (key("1"), {"first": Half(Specification.parse("pervertex:refine=2"), Aspect.IMAGE)}),
         (key("2"), {}),
         (key("3"), {"first": Half(Specification.parse("pervertex:refine=2"), Aspect.STATUS)}),
-        (key("4"), {"second": Half(Specification.parse("raytrace"), Aspect.PICTURE), "split": True}),
+        (key("4"), {"second": Half(Specification.parse("raytrace"), Aspect.IMAGE), "split": True}),
         (key("5"), {"second": Half(Specification.parse("raytrace"), Aspect.ERROR), "split": True}),
         (key("6"), {"second": Half(Specification.parse("raytrace"), Aspect.STATUS), "split": True}),
         (key("ArrowLeft"), {"camera": orbit(CAMERA, -TURN, 0.0)}),
@@ -89,7 +89,7 @@ def test_the_same_key_again_undoes_it(name):
 
 def test_saving_is_asked_for_and_changes_nothing():
     for event, request in [
-        (key("p"), Request.SAVE_PICTURE),
+        (key("p"), Request.SAVE_IMAGE),
         (key("s", "Control"), Request.SAVE_SCENE),
         (key("s", "Meta"), Request.SAVE_SCENE),
     ]:

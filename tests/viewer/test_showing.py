@@ -1,4 +1,4 @@
-"""What stands on the viewer's canvas: coarse while things move, the very picture of `render` at rest."""
+"""What stands on the viewer's canvas: coarse while things move, the very image of `render` at rest."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ def scene() -> Scene:
 
 
 def linear_texture(colors: np.ndarray) -> wgpu.GPUTexture:
-    """A picture (H, W, 3) on the device."""
+    """An image (H, W, 3) on the device."""
     height, width = colors.shape[:2]
     texture = get_device().create_texture(
         size=(width, height, 1),
@@ -74,7 +74,7 @@ def composed(
 
 
 def move(showing: Showing, scene: Scene, state: State) -> None:
-    """Take notice of a state, and finish the picture that it begins."""
+    """Take notice of a state, and finish the image that it begins."""
     while showing.update(scene, state, SIZE) and showing.moving:
         pass
 
@@ -106,19 +106,19 @@ def test_one_slow_frame_is_forgiven_and_the_second_is_not() -> None:
     assert slowest.resolution == RESOLUTIONS[-1]
 
 
-def test_a_finer_picture_is_tried_only_where_it_should_be_fast_enough() -> None:
+def test_a_finer_image_is_tried_only_where_it_should_be_fast_enough() -> None:
     assert Fluency(2).after(0.3 * SLOWEST).number == 1
     assert Fluency(2).after(0.5 * SLOWEST).number == 2
 
 
 @given(st.integers(1, 4000), st.integers(1, 4000), st.sampled_from(RESOLUTIONS))
-def test_no_picture_vanishes(width: int, height: int, scale: float) -> None:
+def test_no_image_vanishes(width: int, height: int, scale: float) -> None:
     assert min(scaled((width, height), scale)) >= 1
     assert scaled((width, height), 1.0) == (width, height)
 
 
 @pytest.mark.parametrize("samples", [1, 2, 3, 4, 8])
-def test_shifts_are_those_of_a_picture_with_samples_and_each_beginning_is_balanced(samples: int) -> None:
+def test_shifts_are_those_of_a_image_with_samples_and_each_beginning_is_balanced(samples: int) -> None:
     steps = (np.arange(samples) + 0.5) / samples - 0.5
     wanted = {(round(x, 9), round(y, 9)) for x in steps for y in steps} if samples > 1 else set()
     found = shifts(samples)
@@ -149,43 +149,43 @@ def test_the_canvas_shows_each_half_in_its_place_as_srgb() -> None:
     assert np.abs(alone - encode_srgb(np.clip(first, 0.0, 1.0).astype(float))).max() < 1.0 / 255.0
 
 
-def test_a_coarse_picture_is_blended_and_a_false_color_image_is_not() -> None:
+def test_a_coarse_image_is_blended_and_a_false_color_image_is_not() -> None:
     black_white = np.zeros((1, 2, 3))
     black_white[:, 1] = 1.0
-    picture = composed((Shown(linear_texture(black_white)),), (16, 4))[0, :, 0]
-    assert (np.diff(picture) >= 0.0).all() and len(np.unique(picture)) > 4
+    image = composed((Shown(linear_texture(black_white)),), (16, 4))[0, :, 0]
+    assert (np.diff(image) >= 0.0).all() and len(np.unique(image)) > 4
     false_color = FalseColorTexture()
     false_color.write(np.array([[[255, 0, 0, 255], [0, 0, 255, 255]]], np.uint8))
     colors = composed((Shown(linear_texture(black_white), false_color.texture),), (16, 4))
     assert (colors[:, :8] == (1, 0, 0)).all() and (colors[:, 8:] == (0, 0, 1)).all()
 
 
-def test_a_half_without_a_picture_is_black() -> None:
+def test_a_half_without_a_image_is_black() -> None:
     white = Shown(linear_texture(np.ones((4, 4, 3))))
     canvas = composed((Shown(), white), (4, 4), 0.5)
     assert not canvas[:, :2].any() and (canvas[:, 2:] > 0.99).all()
     assert not composed((), (4, 4)).any()
 
 
-def test_the_average_is_the_mean_of_its_pictures() -> None:
-    pictures = np.random.default_rng(3).uniform(0.0, 4.0, (9, 5, 6, 3)).astype(np.float16)
+def test_the_average_is_the_mean_of_its_images() -> None:
+    images = np.random.default_rng(3).uniform(0.0, 4.0, (9, 5, 6, 3)).astype(np.float16)
     average = Average((6, 5))
-    for picture in pictures:
-        average.add(linear_texture(picture))
-    mean = pictures.astype(float).mean(axis=0)
+    for image in images:
+        average.add(linear_texture(image))
+    mean = images.astype(float).mean(axis=0)
     assert np.abs(read_texture(average.texture)[..., :3] - mean).max() < 4.0 * 9 / 2048
     average.restart()
-    average.add(linear_texture(pictures[0]))
-    assert np.array_equal(read_texture(average.texture)[..., :3], pictures[0])
+    average.add(linear_texture(images[0]))
+    assert np.array_equal(read_texture(average.texture)[..., :3], images[0])
 
 
-def test_at_rest_the_picture_is_that_of_render(scene: Scene) -> None:
+def test_at_rest_the_image_is_that_of_render(scene: Scene) -> None:
     showing = Showing()
     assert showing.update(scene, STATE, SIZE)
     assert not showing.update(scene, STATE, SIZE)
     settle(showing)
     assert showing.at_rest and showing.samples_done == 4
-    shown = showing.halves[0].picture
+    shown = showing.halves[0].image
     assert shown is not None
     wanted = an.render(scene, "pervertex", size=SIZE, samples=2).color
     assert np.abs(read_texture(shown)[..., :3] - wanted).max() < 2e-3 * max(1.0, wanted.max())
@@ -204,21 +204,21 @@ def test_no_sample_counts_twice_when_something_is_asked_for_meanwhile(
     showing.update(scene, after, SIZE)
     settle(showing)
     assert showing.samples_done == (0 if after.samples == 1 else after.samples**2)
-    shown = showing.halves[0].picture
+    shown = showing.halves[0].image
     assert shown is not None
     wanted = an.render(scene, "pervertex", size=SIZE, samples=after.samples).color
     assert np.abs(read_texture(shown)[..., :3] - wanted).max() < 2e-3 * max(1.0, wanted.max())
 
 
-def test_while_it_moves_the_picture_is_coarse_where_that_is_asked_for(scene: Scene) -> None:
+def test_while_it_moves_the_image_is_coarse_where_that_is_asked_for(scene: Scene) -> None:
     showing = Showing()
     showing.update(scene, replace(STATE, resolution=0.25), SIZE)
-    assert showing.picture == (24, 16) and not showing.at_rest
+    assert showing.image == (24, 16) and not showing.at_rest
     settle(showing)
-    assert showing.picture == SIZE
+    assert showing.image == SIZE
 
 
-def test_times_at_rest_are_those_of_the_last_picture_that_moved_with_the_devices(scene: Scene) -> None:
+def test_times_at_rest_are_those_of_the_last_image_that_moved_with_the_devices(scene: Scene) -> None:
     showing = Showing()
     state = State(
         scene.camera, Half(Specification.parse("pervertex")), Half(Specification.parse("raytrace")), samples=2
@@ -230,13 +230,13 @@ def test_times_at_rest_are_those_of_the_last_picture_that_moved_with_the_devices
     assert dict(showing.phases) == told
 
 
-def test_what_moves_starts_the_picture_over_and_an_aspect_does_not(scene: Scene) -> None:
+def test_what_moves_starts_the_image_over_and_an_aspect_does_not(scene: Scene) -> None:
     showing = Showing()
     showing.update(scene, STATE, SIZE)
     settle(showing)
-    before = showing.halves[0].picture
+    before = showing.halves[0].image
     assert showing.update(scene, replace(STATE, first=replace(STATE.first, aspect=Aspect.STATUS)), SIZE)
-    assert showing.at_rest and showing.halves[0].picture is before
+    assert showing.at_rest and showing.halves[0].image is before
     settle(showing)
     false_color = showing.halves[0].false_color
     assert false_color is not None and false_color.size[:2] == SIZE
@@ -266,14 +266,14 @@ def test_a_method_that_cannot_leaves_its_half_black_and_says_why(scene: Scene) -
     state = replace(STATE, split=True, second=Half(Specification.parse("pervertex:antialias=3")))
     showing.update(scene, state, SIZE)
     settle(showing)
-    assert showing.halves[0].picture is not None and showing.halves[1].picture is None
+    assert showing.halves[0].image is not None and showing.halves[1].image is None
     assert "antialias" in showing.failures[0] and len(showing.failures) == 1
     showing.update(scene, replace(state, second=Half(Specification.parse("raytrace"))), SIZE)
-    assert not showing.failures and showing.halves[1].picture is not None
+    assert not showing.failures and showing.halves[1].image is not None
 
 
 class _Sized:
-    """A method's session that draws only small pictures."""
+    """A method's session that draws only small images."""
 
     def __init__(self, size: tuple[int, int], widest: int) -> None:
         self.size, self._widest = size, widest
@@ -292,7 +292,7 @@ class _Sized:
 
 
 def drawn_by(monkeypatch: pytest.MonkeyPatch, widest: int = 10**6, seconds: float = 0.0) -> list[tuple[int, int]]:
-    """The sizes of the pictures that are drawn from now on, by a method with these limits and a clock of its own."""
+    """The sizes of the images that are drawn from now on, by a method with these limits and a clock of its own."""
     sizes: list[tuple[int, int]] = []
 
     def session(self: MethodImages, camera: an.Camera, size: tuple[int, int]) -> _Sized:
@@ -305,7 +305,7 @@ def drawn_by(monkeypatch: pytest.MonkeyPatch, widest: int = 10**6, seconds: floa
     return sizes
 
 
-def test_an_unknown_method_begins_with_the_coarsest_picture_and_a_known_one_does_not(scene, monkeypatch) -> None:
+def test_an_unknown_method_begins_with_the_coarsest_image_and_a_known_one_does_not(scene, monkeypatch) -> None:
     sizes = drawn_by(monkeypatch)
     showing = Showing()
     for number in range(len(RESOLUTIONS)):
@@ -322,14 +322,14 @@ def test_what_fails_finely_is_shown_coarsely_and_not_tried_again(scene, monkeypa
     showing.update(scene, STATE, SIZE)
     settle(showing)
     assert showing.failures == ("too large",)
-    shown = showing.halves[0].picture
+    shown = showing.halves[0].image
     assert shown is not None and shown.size[:2] == scaled(SIZE, RESOLUTIONS[-1])
     assert sizes == [scaled(SIZE, RESOLUTIONS[-1]), SIZE]
     showing.update(scene, replace(STATE, camera=replace(STATE.camera, field_of_view=30.0)), SIZE)
     assert showing.failures == ()
 
 
-def test_a_picture_that_takes_long_comes_by_steps(scene, monkeypatch) -> None:
+def test_a_image_that_takes_long_comes_by_steps(scene, monkeypatch) -> None:
     monkeypatch.setattr("anamorph.viewer.showing.LONG", 1.0)
     sizes = drawn_by(monkeypatch, seconds=0.002)
     showing = Showing()
@@ -374,21 +374,21 @@ def from_angle(degrees: float) -> State:
     return replace(STATE, camera=replace(STATE.camera, field_of_view=degrees))
 
 
-def test_a_slow_picture_is_drawn_over_several_frames_and_shown_when_it_is_done(scene, stepped) -> None:
+def test_a_slow_image_is_drawn_over_several_frames_and_shown_when_it_is_done(scene, stepped) -> None:
     showing = Showing()
     move(showing, scene, from_angle(30.0))
-    before = showing.halves[0].picture
+    before = showing.halves[0].image
     assert before is not None and len(stepped) == 1
     other = replace(from_angle(40.0), first=Half(Specification.parse("environment")))
     assert showing.update(scene, other, SIZE) and showing.moving
     while showing.moving:
-        assert showing.halves[0].picture is before and len(stepped) == 1 and not showing.at_rest
+        assert showing.halves[0].image is before and len(stepped) == 1 and not showing.at_rest
         assert showing.update(scene, other, SIZE)
-    assert [camera.field_of_view for camera in stepped] == [30.0, 40.0] and showing.halves[0].picture is not None
+    assert [camera.field_of_view for camera in stepped] == [30.0, 40.0] and showing.halves[0].image is not None
     assert not showing.update(scene, other, SIZE)
 
 
-def test_a_picture_under_way_is_finished_and_then_the_newest_state_is_drawn(scene, stepped) -> None:
+def test_a_image_under_way_is_finished_and_then_the_newest_state_is_drawn(scene, stepped) -> None:
     showing = Showing()
     for degrees in (30.0, 31.0, 32.0):
         assert showing.update(scene, from_angle(degrees), SIZE)
@@ -399,14 +399,14 @@ def test_a_picture_under_way_is_finished_and_then_the_newest_state_is_drawn(scen
     assert not showing.moving
 
 
-def test_a_constant_drag_shows_pictures(scene, stepped) -> None:
+def test_a_constant_drag_shows_images(scene, stepped) -> None:
     showing = Showing()
     for frame in range(40):
         showing.update(scene, from_angle(20.0 + frame), SIZE)
     assert len(stepped) >= 9
 
 
-def test_a_stale_picture_is_given_up_for_the_newest(scene, stepped, monkeypatch) -> None:
+def test_a_stale_image_is_given_up_for_the_newest(scene, stepped, monkeypatch) -> None:
     monkeypatch.setattr("anamorph.viewer.showing.STALE", 0.0)
     showing = Showing()
     for degrees in (30.0, 31.0, 32.0):
@@ -415,7 +415,7 @@ def test_a_stale_picture_is_given_up_for_the_newest(scene, stepped, monkeypatch)
     assert [camera.field_of_view for camera in stepped] == [32.0]
 
 
-def test_what_moves_nothing_waits_for_the_picture_under_way(scene, stepped, monkeypatch) -> None:
+def test_what_moves_nothing_waits_for_the_image_under_way(scene, stepped, monkeypatch) -> None:
     monkeypatch.setattr("anamorph.viewer.showing.STALE", 0.0)
     showing = Showing()
     showing.update(scene, STATE, SIZE)
@@ -454,18 +454,18 @@ def test_no_sample_counts_for_one_half_alone_wherever_it_is_left(scene, stepped,
     assert showing.samples_done == 4 and len(added) == 2 * 4
 
 
-def test_a_failure_in_a_step_is_told_and_the_picture_before_it_goes(scene, stepped) -> None:
+def test_a_failure_in_a_step_is_told_and_the_image_before_it_goes(scene, stepped) -> None:
     showing = Showing()
     move(showing, scene, STATE)
     _Stepped.fails = True
     showing.update(scene, from_angle(30.0), SIZE)
     assert not showing.failures
     move(showing, scene, from_angle(30.0))
-    assert showing.failures == ("out of steps",) and showing.halves[0].picture is None
+    assert showing.failures == ("out of steps",) and showing.halves[0].image is None
     settle(showing)
     _Stepped.fails = False
     move(showing, scene, from_angle(31.0))
-    assert not showing.failures and showing.halves[0].picture is not None
+    assert not showing.failures and showing.halves[0].image is not None
 
 
 def test_rest_finishes_what_is_under_way_first(scene, stepped) -> None:
@@ -477,7 +477,7 @@ def test_rest_finishes_what_is_under_way_first(scene, stepped) -> None:
 
 
 @pytest.mark.parametrize("method", ["raytrace", "trilinear"])
-def test_at_rest_a_picture_in_steps_is_that_of_render(method: str, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_at_rest_a_image_in_steps_is_that_of_render(method: str, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("anamorph.viewer.showing.FRAME", 0.0)
     mirrors = make("facing-mirrors")
     showing = Showing()
@@ -485,7 +485,7 @@ def test_at_rest_a_picture_in_steps_is_that_of_render(method: str, monkeypatch: 
     showing.update(mirrors, replace(state, camera=replace(state.camera, field_of_view=30.0)), SIZE)
     move(showing, mirrors, state)
     settle(showing)
-    shown = showing.halves[0].picture
+    shown = showing.halves[0].image
     assert shown is not None
     wanted = an.render(mirrors, method, size=SIZE, samples=2).color
     assert np.abs(read_texture(shown)[..., :3] - wanted).max() < 2e-3 * max(1.0, wanted.max())

@@ -24,7 +24,7 @@ from anamorph.viewer.marks import NO_MARKS, dot_marks, joined, line_marks
 from anamorph.viewer.space import (
     MOST_HITS,
     MOST_RAYS,
-    Space,
+    PreparedScene,
     eye_marks,
     frustum,
     hit_marks,
@@ -42,7 +42,7 @@ ASIDE = Camera((1.5, 1.8, 2.5), (0.0, 0.5, 0.0))
 
 
 def seen_in(scene: Scene, camera: Camera | None = None, options: Options = OPTIONS):
-    space = Space(scene)
+    space = PreparedScene(scene)
     return space, seen_bodies(space.bodies, space.surroundings, camera or scene.camera, SIZE, options)
 
 
@@ -90,7 +90,7 @@ def test_a_hits_mirror_image_stands_behind_its_crossing_of_wires():
     assert met.sum() >= 2
     images = seen.hits[met] * [1.0, 1.0, -1.0]
     corners = seen.body_rays.side.optics.positions[met]
-    shown, crossing = (CAMERA.picture(points, SIZE) for points in (images, corners))
+    shown, crossing = (CAMERA.image(points, SIZE) for points in (images, corners))
     assert shown[:, :2] / shown[:, 2:] == pytest.approx(crossing[:, :2] / crossing[:, 2:], abs=1e-3)
     # And each stands on something: on the floor, or on a side of a box.
     lows = np.array([mesh.positions.min(axis=0) for mesh in scene.meshes[1:]])
@@ -217,11 +217,11 @@ def test_wires_are_fainter_from_behind_and_where_they_are_short():
     assert (away < alpha).all() and (away > 0.0).all()
 
 
-def test_the_eyes_picture_stands_before_it_and_has_its_shape():
+def test_the_eyes_image_stands_before_it_and_has_its_shape():
     marks = eye_marks(CAMERA, (200, 100), 0.5)
-    picture = marks.segments.ends[:4, 1].astype(float)
-    assert (picture - CAMERA.position) @ CAMERA.axes()[2] == pytest.approx(0.5, rel=1e-5)
-    assert CAMERA.picture(picture, (200, 100))[:, :2] / 0.5 == pytest.approx(
+    image = marks.segments.ends[:4, 1].astype(float)
+    assert (image - CAMERA.position) @ CAMERA.axes()[2] == pytest.approx(0.5, rel=1e-5)
+    assert CAMERA.image(image, (200, 100))[:, :2] / 0.5 == pytest.approx(
         np.array([[0, 0], [200, 0], [200, 100], [0, 100]]), abs=1e-3
     )
     assert marks.dots.ends[:, 0] == pytest.approx(np.array([CAMERA.position]), rel=1e-6)
@@ -242,7 +242,7 @@ def test_a_path_has_a_leg_between_its_stops_and_a_colour_for_each_stage(stops):
 
 def test_all_that_the_state_asks_for_is_drawn_and_nothing_else():
     scene = scene_with(spherical_mirror())
-    space = Space(scene)
+    space = PreparedScene(scene)
     assert len(space_marks(space, state_of(scene), CAMERA, SIZE).segments.ends) == 0
     assert "surroundings" not in vars(space), "nothing is prepared that is not drawn"
     sizes = {}
@@ -264,7 +264,7 @@ def test_all_that_the_state_asks_for_is_drawn_and_nothing_else():
 
 def test_the_maps_are_those_of_the_methods_own_options():
     scene = gallery.make("torus")
-    space = Space(scene)
+    space = PreparedScene(scene)
     few, many, cube = (
         len(space_marks(space, state_of(scene, Drawing.VOLUME, method=method), scene.camera, SIZE).segments.ends)
         for method in ("environment", "pervertex:field=60", "pervertex:wide=cube")
@@ -275,7 +275,7 @@ def test_the_maps_are_those_of_the_methods_own_options():
 @pytest.mark.parametrize("name", ["spheres", "spectacles-plus", "magnifier", "saddle", "curvature-series", "room"])
 def test_built_in_scenes_are_drawn_with_finite_numbers_and_not_too_many_rays(name):
     scene = gallery.make(name)
-    space = Space(scene)
+    space = PreparedScene(scene)
     marks = space_marks(space, state_of(scene, *Drawing, observer=ASIDE), scene.camera, (320, 240))
     assert finite(marks)
     assert len(marks.dots.ends[:, 0]) <= len(space.bodies) * (MOST_HITS + 2 * MOST_RAYS)
@@ -285,5 +285,5 @@ def test_built_in_scenes_are_drawn_with_finite_numbers_and_not_too_many_rays(nam
 def test_glass_that_is_no_lens_has_wires_alone():
     solid = box((-0.1, 0.4, -0.1), (0.1, 0.6, 0.1)).mesh("glass", Glass())
     scene = scene_with(solid)
-    marks = space_marks(Space(scene), state_of(scene, *Drawing), CAMERA, SIZE)
+    marks = space_marks(PreparedScene(scene), state_of(scene, *Drawing), CAMERA, SIZE)
     assert len(marks.segments.ends) == 18 and len(marks.dots.ends[:, 0]) == 0

@@ -60,14 +60,14 @@ def test_what_is_being_saved_goes_on_while_nothing_is_drawn_and_then_all_is_quie
     assert hand.viewer.snapshot()["progress"] is not None
     saved = tmp_path / "flat-mirror-1.png"
     clock.run_out()
-    with Image.open(saved) as picture:
-        assert picture.size == tuple(hand.viewer.snapshot()["full"])
+    with Image.open(saved) as image:
+        assert image.size == tuple(hand.viewer.snapshot()["full"])
     assert hand.viewer.frames == frames
     snapshot = hand.viewer.snapshot()
     assert (snapshot["progress"], snapshot["message"]) == (None, "saved flat-mirror-1.png")
 
 
-def test_while_pictures_are_drawn_they_alone_take_the_steps(hand, clock):
+def test_while_images_are_drawn_they_alone_take_the_steps(hand, clock):
     hand.key("p")
     time.sleep(REST_DELAY)
     for _ in range(3):

@@ -17,8 +17,8 @@ from anamorph.base.errors import AnamorphError
 from anamorph.base.interrupt import on_interrupt
 from anamorph.base.srgb import encode_srgb
 
-PICTURES = (".png", ".jpg", ".jpeg", ".webp", ".npy")
-"""Suffixes of picture files: 8-bit sRGB, but `.npy`, which keeps the linear floats."""
+IMAGES = (".png", ".jpg", ".jpeg", ".webp", ".npy")
+"""Suffixes of image files: 8-bit sRGB, but `.npy`, which keeps the linear floats."""
 
 
 def check_output(path: str | Path, suffixes: tuple[str, ...] = ()) -> Path:
@@ -111,9 +111,9 @@ def save_array(path: str | Path, array: np.ndarray) -> None:
         np.save(file, array, allow_pickle=False)
 
 
-def save_picture(path: str | Path, color: np.ndarray) -> None:
-    """Write linear colour (H, W, 3) in the format that the suffix names, one of `PICTURES`."""
-    path = check_output(path, PICTURES)
+def save_image(path: str | Path, color: np.ndarray) -> None:
+    """Write linear colour (H, W, 3) in the format that the suffix names, one of `IMAGES`."""
+    path = check_output(path, IMAGES)
     if path.suffix.lower() == ".npy":
         save_array(path, color)
         return
@@ -125,12 +125,12 @@ def save_picture(path: str | Path, color: np.ndarray) -> None:
 def to_pixels(color: np.ndarray) -> np.ndarray:
     """Linear colour (H, W, 3) as 8-bit sRGB pixels (H, W, 3)."""
     if not np.isfinite(color).all():
-        raise AnamorphError("the picture holds values that are not finite; please report the scene that made them")
+        raise AnamorphError("the image holds values that are not finite; please report the scene that made them")
     return np.round(255.0 * encode_srgb(color)).astype(np.uint8)
 
 
 def pixel_bytes(pixels: np.ndarray, suffix: str = ".png") -> bytes:
-    """8-bit sRGB pixels (H, W, 3) as the bytes of a picture file."""
+    """8-bit sRGB pixels (H, W, 3) as the bytes of an image file."""
     jpeg: dict[str, Any] = {"format": "JPEG", "quality": 95, "subsampling": 0}
     webp: dict[str, Any] = {"format": "WEBP", "quality": 95}
     settings = {".png": {"format": "PNG"}, ".jpg": jpeg, ".jpeg": jpeg, ".webp": webp}[suffix.lower()]

@@ -1,4 +1,4 @@
-"""The sRGB curve (IEC 61966-2-1): the one way between 8-bit pictures and the linear light that everything else uses."""
+"""The sRGB curve (IEC 61966-2-1): the one way between 8-bit images and the linear light that everything else uses."""
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
-"""Moving pictures as files, written frame by frame: WebM, animated WebP, or a folder of PNG pictures.
+"""Moving images as files, written frame by frame: WebM, animated WebP, or a folder of PNG images.
 
-A lossy WebP picture is a key frame of VP8 (RFC 9649), which is what a WebM file may hold (webmproject.org, "VP8 Encode
+A lossy WebP image is a key frame of VP8 (RFC 9649), which is what a WebM file may hold (webmproject.org, "VP8 Encode
 Parameter Guide" and "WebM Container Guidelines"). So Pillow alone makes videos that every browser plays, without a
 codec whose licence or patents would bind who ships this package.
 """
@@ -25,7 +25,7 @@ LARGEST = 16383
 """Pixels along a side that VP8 can number."""
 
 LONGEST = 2**32 - 2**24
-"""Bytes of an animated WebP file, which counts them in 32 bits, with room for one more frame."""
+"""Bytes of an animated WebP file, which counts them in 32 bits, with space for one more frame."""
 
 MOST_FRAMES = 9999
 """As many as the names of a series number alike."""
@@ -45,7 +45,7 @@ def check_video(path: Path, size: tuple[int, int]) -> None:
     if path.suffix.lower() not in VIDEOS:
         raise AnamorphError(
             f"{path}: cannot write '{path.suffix}' files; end the name in {', '.join(VIDEOS)}, "
-            "or in nothing for a folder of PNG pictures"
+            "or in nothing for a folder of PNG images"
         )
     check_output(path)
     if max(size) > LARGEST:
@@ -58,7 +58,7 @@ def video(path: str | Path, size: tuple[int, int], rate: float) -> AbstractConte
     Parameters
     ----------
     path : str or Path
-        Ends in .webm or .webp; without a suffix, a folder for numbered PNG pictures.
+        Ends in .webm or .webp; without a suffix, a folder for numbered PNG images.
     size : (width, height)
     rate : float
         Frames a second.
@@ -85,12 +85,12 @@ def _series(path: Path) -> Iterator[AddFrame]:
 
 
 def _key_frame(pixels: np.ndarray) -> bytes:
-    """The VP8 key frame in a lossy WebP picture: what is left without the container's two headings."""
+    """The VP8 key frame in a lossy WebP image: what is left without the container's two headings."""
     file = io.BytesIO()
     Image.fromarray(pixels).save(file, "WEBP", quality=QUALITY)
     data = file.getvalue()
     if data[12:16] != b"VP8 ":
-        raise AnamorphError("video: Pillow here writes WebP in another form; save PNG pictures into a folder")
+        raise AnamorphError("video: Pillow here writes WebP in another form; save PNG images into a folder")
     return data[20 : 20 + int.from_bytes(data[16:20], "little")]
 
 

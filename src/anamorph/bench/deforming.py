@@ -53,7 +53,7 @@ class Phases:
     device : Timing
         `Session.wait`: the rest of the device's work.
     p95_pixels : float or None
-        Of the last frame, against the ray tracer's: the 95th percentile of the error in the picture.
+        Of the last frame, against the ray tracer's: the 95th percentile of the error in the image.
     """
 
     frame: Timing
@@ -120,12 +120,12 @@ def time_deforming(
             spent[name].append(_frame(session, moment, camera))
         report(turn + WARM_UP + 1, frames + WARM_UP, "timing deforming")
     last = {name: session.frame(seen=True) for name, session in sessions.items()}
-    truth = last[COMPETITORS[0]]
+    reference = last[COMPETITORS[0]]
 
     def phases(name: str) -> Phases:
         whole = [sum(parts) for parts in spent[name]]
         frame, deform, draw, device = (timing_of(ms[WARM_UP:]) for ms in (whole, *zip(*spent[name], strict=True)))
-        return Phases(frame, deform, draw, device, measure(truth, last[name]).pixels.p95)
+        return Phases(frame, deform, draw, device, measure(reference, last[name]).pixels.p95)
 
     return DeformingTimes(size, adapter_name(), timing_of(uploads[WARM_UP:]), {name: phases(name) for name in names})
 

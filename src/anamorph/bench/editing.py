@@ -58,7 +58,7 @@ def editing_table(
 
 
 def step(scene: Scene, method: Specification, size: tuple[int, int], swivel: float) -> list[float]:
-    """Seconds that editing, opening and two pictures took."""
+    """Seconds that editing, opening and two images took."""
     times = [perf_counter()]
     changed = edited(scene, {"mirror/swivel": swivel})
     times.append(perf_counter())

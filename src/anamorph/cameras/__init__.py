@@ -1,7 +1,7 @@
 """Nonlinear cameras: ray meshes made by hand and not by optics, to show a scene as no lens does.
 
 Source: Vallance, "Trilinear projection" (PhD thesis, 2005), chapter 6 and section 7.4. Each maker returns a `RayMesh`
-that fills a picture of a given size, to be drawn by `anamorph.render(scene, camera=...)`. Shadows and shading are those
+that fills an image of a given size, to be drawn by `anamorph.render(scene, camera=...)`. Shadows and shading are those
 of the scene; only the rays are the camera's.
 
 | maker | what it shows | source |

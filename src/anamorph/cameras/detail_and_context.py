@@ -1,4 +1,4 @@
-"""Detail and context in one picture: the middle magnified, the rim as it was.
+"""Detail and context in one image: the middle magnified, the rim as it was.
 
 Source: Vallance, "Trilinear projection", section 6.1, after the distortion-oriented displays of maps.
 """
@@ -23,12 +23,12 @@ def detail_and_context(
     columns: int = 3,
     surface: float = 0.5,
 ) -> RayMesh:
-    """What `camera` sees, with the middle of the picture magnified.
+    """What `camera` sees, with the middle of the image magnified.
 
     Rays leave a plane between the eye and what it looks at. At the rim they go on from the eye, as in a perspective
-    picture. The nearer to the middle, the less they spread: until they meet what is looked at in a part of the picture
+    image. The nearer to the middle, the less they spread: until they meet what is looked at in a part of the image
     that is `magnification` times smaller. With `surface` 0.5 the middle's rays spread less than the eye's up to a
-    magnification of 2, where they are parallel (an orthographic picture); beyond they come together (an inverse
+    magnification of 2, where they are parallel (an orthographic image); beyond they come together (an inverse
     perspective one: what is farther away is larger).
 
     Parameters
@@ -40,7 +40,7 @@ def detail_and_context(
     magnification : float
         In the middle, at the target's distance, 1 or more.
     detail : float
-        The share of the picture's width and height, 0 to 1, that is evenly magnified: with 3 x 3 quads the middle one.
+        The share of the image's width and height, 0 to 1, that is evenly magnified: with 3 x 3 quads the middle one.
     rows, columns : int
         Quads. From the detail to the rim the rays change by a smooth step where there are more than 3; odd numbers keep
         the middle in one quad.

@@ -1,4 +1,4 @@
-"""Rays at the points of a grid that fills a picture: what every camera of this room is built on."""
+"""Rays at the points of a grid that fills an image: what every camera of this room is built on."""
 
 from __future__ import annotations
 
@@ -26,14 +26,14 @@ def from_grid(
     Parameters
     ----------
     origins : (R, C, 3) array
-        Where rays leave, metres; row 0 is the top of the picture, column 0 its left. What lies before the origins is
+        Where rays leave, metres; row 0 is the top of the image, column 0 its left. What lies before the origins is
         not seen.
     directions : (R, C, 3) array
         Of any length but 0; where neighbours' lengths differ, the longer one weighs more between them.
     size : (width, height)
-        Of the picture, pixels.
+        Of the image, pixels.
     columns, rows : (C,) and (R,) array, optional
-        Where the grid's lines are, in pixels from the left and from the top, increasing; evenly over the picture
+        Where the grid's lines are, in pixels from the left and from the top, increasing; evenly over the image
         where not given.
 
     Returns
@@ -42,36 +42,41 @@ def from_grid(
         Vertices row by row; 2 (R - 1) (C - 1) triangles, each quad cut from its top left to its bottom right.
     """
     width, height = checked_size(size)
-    starts, ways = _numbers("origins", origins), _numbers("directions", directions)
-    if starts.ndim != 3 or starts.shape[2] != 3 or min(starts.shape[:2]) < 2 or starts.shape != ways.shape:
+    grid_origins, grid_directions = _numbers("origins", origins), _numbers("directions", directions)
+    if (
+        grid_origins.ndim != 3
+        or grid_origins.shape[2] != 3
+        or min(grid_origins.shape[:2]) < 2
+        or grid_origins.shape != grid_directions.shape
+    ):
         raise AnamorphError(
-            f"camera: origins are {starts.shape} and directions {ways.shape}; give both as (rows, columns, 3), "
-            "at least 2 of each"
+            f"camera: origins are {grid_origins.shape} and directions {grid_directions.shape}; "
+            "give both as (rows, columns, 3), at least 2 of each"
         )
-    lengths = np.linalg.norm(ways, axis=2)
+    lengths = np.linalg.norm(grid_directions, axis=2)
     if not lengths.all():
         row, column = np.argwhere(lengths == 0.0)[0]
         raise AnamorphError(f"camera: directions at row {row}, column {column} are 0; give the way that the ray goes")
-    faces = _faces(*starts.shape[:2])
-    units = (ways / lengths[..., None]).reshape(-1, 3)[faces]
+    faces = _faces(*grid_origins.shape[:2])
+    units = (grid_directions / lengths[..., None]).reshape(-1, 3)[faces]
     if (np.sum(units * np.roll(units, 1, axis=1), axis=2) < OPPOSITE).any():
         raise AnamorphError(
             "camera: directions of neighbours are opposite, with none between; give more rows or columns"
         )
-    picture = np.ones(starts.shape)
-    picture[..., 0] = _lines("columns", columns, starts.shape[1], width)
-    picture[..., 1] = _lines("rows", rows, starts.shape[0], height)[:, None]
+    image = np.ones(grid_origins.shape)
+    image[..., 0] = _lines("columns", columns, grid_origins.shape[1], width)
+    image[..., 1] = _lines("rows", rows, grid_origins.shape[0], height)[:, None]
     return RayMesh(
-        picture=picture.reshape(-1, 3),
-        origins=starts.reshape(-1, 3),
-        directions=ways.reshape(-1, 3),
+        image=image.reshape(-1, 3),
+        origins=grid_origins.reshape(-1, 3),
+        directions=grid_directions.reshape(-1, 3),
         faces=faces,
-        status=np.full(starts.shape[0] * starts.shape[1], RayStatus.OK, np.uint8),
+        status=np.full(grid_origins.shape[0] * grid_origins.shape[1], RayStatus.OK, np.uint8),
     )
 
 
 def grid_points(size: Size, quads: tuple[int, int]) -> np.ndarray:
-    """The points, (R, C, 2) pixels, of a grid of `quads` (across, down) that fills a picture of `size`."""
+    """The points, (R, C, 2) pixels, of a grid of `quads` (across, down) that fills an image of `size`."""
     width, height = checked_size(size)
     across, down = quads
     x, y = np.linspace(0.0, width, across + 1), np.linspace(0.0, height, down + 1)
@@ -79,9 +84,9 @@ def grid_points(size: Size, quads: tuple[int, int]) -> np.ndarray:
 
 
 def checked_size(size: Size) -> Size:
-    """A picture's size, or the error that says what is wrong with it."""
+    """An image's size, or the error that says what is wrong with it."""
     if np.shape(size) != (2,) or any(not np.isfinite(side) or side != int(side) or side < 1 for side in size):
-        raise AnamorphError(f"camera: size is {size}; give the picture's width and height in whole pixels")
+        raise AnamorphError(f"camera: size is {size}; give the image's width and height in whole pixels")
     return int(size[0]), int(size[1])
 
 
@@ -120,7 +125,7 @@ def _lines(name: str, places: ArrayLike | None, count: int, extent: int) -> np.n
 
 
 def _faces(rows: int, columns: int) -> np.ndarray:
-    """Counter-clockwise as one looks at the picture, as those of a mirror are that shows its front."""
+    """Counter-clockwise as one looks at the image, as those of a mirror are that shows its front."""
     vertex = np.arange(rows * columns).reshape(rows, columns)
     here, beside, below, across = vertex[:-1, :-1], vertex[:-1, 1:], vertex[1:, :-1], vertex[1:, 1:]
     faces = np.stack([here, below, across, here, across, beside], axis=-1)

@@ -46,7 +46,7 @@ def inward_sphere(
     pole : float
         Degrees from the poles to the first and last row, from 0 to less than 90.
     axes : (3, 3) array, optional
-        Rows: unit vectors to the right, up (to the north pole) and to the viewer, which is the middle of the picture;
+        Rows: unit vectors to the right, up (to the north pole) and to the viewer, which is the middle of the image;
         the world's x, y and z where not given.
 
     Returns

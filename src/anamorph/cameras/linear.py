@@ -14,7 +14,7 @@ from anamorph.scene.checks import check_camera
 
 
 def pinhole(camera: Camera, size: Size) -> RayMesh:
-    """What `camera` sees in a picture of `size` (width, height), as a ray mesh."""
+    """What `camera` sees in an image of `size` (width, height), as a ray mesh."""
     directions = lines_of_sight(camera, grid_points(size, (1, 1)), size)
     return from_grid(np.broadcast_to(camera.position, directions.shape), directions, size)
 
@@ -28,7 +28,7 @@ def orthographic(camera: Camera, size: Size, height: float | None = None) -> Ray
     size : (width, height)
         Pixels.
     height : float, optional
-        Metres that the picture shows from its bottom to its top; what `camera` shows of its target's plane where not
+        Metres that the image shows from its bottom to its top; what `camera` shows of its target's plane where not
         given.
     """
     sight = lines_of_sight(camera, grid_points(size, (1, 1)), size)
@@ -40,17 +40,17 @@ def orthographic(camera: Camera, size: Size, height: float | None = None) -> Ray
 def pushbroom(camera: Camera, size: Size, height: float | None = None) -> RayMesh:
     """A line of pixels, upright as `camera` sees it, that an eye sees while it moves to the right.
 
-    Upright the picture is a perspective one, across it is orthographic: the scanner of a satellite, a street's long
+    Upright the image is a perspective one, across it is orthographic: the scanner of a satellite, a street's long
     front.
 
     Parameters
     ----------
     camera : Camera
-        The middle of the way, and the upright angle of the picture.
+        The middle of the way, and the upright angle of the image.
     size : (width, height)
         Pixels.
     height : float, optional
-        Metres that the picture shows from its bottom to its top where its scale is the same both ways; what `camera`
+        Metres that the image shows from its bottom to its top where its scale is the same both ways; what `camera`
         shows of its target's plane where not given. The way is `height` times width over height long.
     """
     sight = lines_of_sight(camera, grid_points(size, (1, 1)), size)
@@ -60,7 +60,7 @@ def pushbroom(camera: Camera, size: Size, height: float | None = None) -> RayMes
 
 
 def lines_of_sight(camera: Camera, pixels: np.ndarray, size: Size) -> np.ndarray:
-    """From the eye through picture points (..., 2) to the plane a metre before it: (..., 3), linear in the picture."""
+    """From the eye through image points (..., 2) to the plane a metre before it: (..., 3), linear in the image."""
     check_camera(camera, "camera")
     matrix = camera.eye(checked_size(size)).matrix[:, :3]
     homogeneous = np.concatenate([pixels, np.ones((*pixels.shape[:-1], 1))], axis=-1)

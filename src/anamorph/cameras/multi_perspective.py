@@ -1,4 +1,4 @@
-"""Two views in one picture, and what leads from one to the other.
+"""Two views in one image, and what leads from one to the other.
 
 Source: Vallance, "Trilinear projection", section 6.2.
 """
@@ -29,7 +29,7 @@ def multi_perspective(
     """The view of one camera on the left, that of another on the right, and between them rays that turn from one to
     the other.
 
-    The rays are continuous, and so is the picture of a thing that all of them see; a thing may be seen more than once.
+    The rays are continuous, and so is the image of a thing that all of them see; a thing may be seen more than once.
     What lies beyond where the rays of the transition cross is seen reversed in it: to walk around a thing from its left
     side to its front, let the inner borders of both views meet on it, so that the rays cross within.
 
@@ -38,12 +38,12 @@ def multi_perspective(
     left, right : Camera
         Each shows its target in the middle of its own part. They may not look in opposite directions.
     size : (width, height)
-        Of the whole picture, pixels; the two parts share what the transition leaves.
+        Of the whole image, pixels; the two parts share what the transition leaves.
     parallel : (bool, bool)
         Whether the rays of the left and of the right part are parallel, an orthographic view that shows as much of the
         target's plane as the camera does.
     transition : float
-        The share of the picture's width, between 0 and 1, in which the rays turn.
+        The share of the image's width, between 0 and 1, in which the rays turn.
     columns : int
         Quads across the transition. One turns the rays evenly; with more they turn by a smooth step, slowly near either
         part.
@@ -74,9 +74,9 @@ def multi_perspective(
 
 
 def _part(camera: Camera, width: float, height: int, parallel: bool, surface: float) -> np.ndarray:
-    """Origins and directions, (2, rows, columns, 3), at the corners of a part of the picture, from its top left."""
+    """Origins and directions, (2, rows, columns, 3), at the corners of a part of the image, from its top left."""
     corners = np.stack(np.meshgrid([0.0, width], [0.0, float(height)]), axis=-1)
-    # The part's own width need not be whole: its corners are a square picture's, stretched about the middle.
+    # The part's own width need not be whole: its corners are a square image's, stretched about the middle.
     corners[..., 0] += (height - width) / 2.0
     distance = target_distance(camera)
     sight = lines_of_sight(camera, corners, (height, height)) * distance

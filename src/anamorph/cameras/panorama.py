@@ -13,17 +13,17 @@ from anamorph.scene.checks import check_camera
 def panorama(camera: Camera, size: Size, angle: float = 360.0, columns: int = 36) -> RayMesh:
     """What `camera` sees as it turns about its own upright axis, on a cylinder about it.
 
-    The cylinder has flat sides, one for each column: in a column the picture is that of a pinhole, and a straight line
+    The cylinder has flat sides, one for each column: in a column the image is that of a pinhole, and a straight line
     bends only where columns meet.
 
     Parameters
     ----------
     camera : Camera
-        The middle of the picture and its upright angle.
+        The middle of the image and its upright angle.
     size : (width, height)
         Pixels.
     angle : float
-        What the picture shows across, degrees; 360 is all around, and more shows some things twice.
+        What the image shows across, degrees; 360 is all around, and more shows some things twice.
     columns : int
         Quads across; each must see less than 180 degrees.
 

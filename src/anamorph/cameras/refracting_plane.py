@@ -67,7 +67,7 @@ def refracting_plane(
     lengths = np.linalg.norm(offsets, axis=1, keepdims=True)
     directions, total = refract(offsets / lengths, normals, 1.0 / index)
     behind = np.sum(offsets * normals, axis=1) >= 0.0
-    # As long as the eye's distance, with which an index of 1 gives the pinhole's picture exactly.
+    # As long as the eye's distance, with which an index of 1 gives the pinhole's image exactly.
     directions *= lengths
     mesh = from_grid(camera.position + away * sight, directions.reshape(sight.shape), size)
     status = np.where(total, RayStatus.TOTAL_REFLECTION, RayStatus.OK)

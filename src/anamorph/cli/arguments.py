@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, NoReturn
 
 from anamorph.base.errors import AnamorphError
-from anamorph.base.output import PICTURES
+from anamorph.base.output import IMAGES
 from anamorph.base.versions import versions
 from anamorph.base.video import MOST_FRAMES, VIDEOS
 from anamorph.files.source_words import Parser, add_cad_options
@@ -120,14 +120,14 @@ def make_parser() -> argparse.ArgumentParser:
         return added
 
     scene = "a built-in scene, a scene file (.toml) or any model file (.glb, .gltf, .obj, .stl, .ply, .step, .iges)"
-    size = "size of the picture in pixels, like 1024x768"
+    size = "size of the image in pixels, like 1024x768"
     method = "a method and its options: METHOD[:option=value,...]"
 
-    render = command("render", "render a scene, or a model before a convex mirror, to a picture")
+    render = command("render", "render a scene, or a model before a convex mirror, to an image")
     render.add_argument("scene", metavar="SCENE|MODEL", help=scene)
     render.add_argument("-m", "--method", metavar="METHOD", type=_method, help=method)
     render.add_argument(
-        "-o", "--output", metavar="FILE", type=Path, required=True, help=f"the picture: {', '.join(PICTURES)}"
+        "-o", "--output", metavar="FILE", type=Path, required=True, help=f"the image: {', '.join(IMAGES)}"
     )
     render.add_argument("--size", metavar="WxH", type=_size, help=size)
     render.add_argument("--samples", metavar="N", type=_samples, default=1, help="N x N samples a pixel (1)")
@@ -143,7 +143,7 @@ def make_parser() -> argparse.ArgumentParser:
         help=f"also save what each pixel sees: {', '.join(SEEN)}",
     )
 
-    compare = command("compare", "measure methods against the ray-traced truth, and time them")
+    compare = command("compare", "measure methods against the ray-traced reference, and time them")
     compare.add_argument("scene", metavar="SCENE", help=scene)
     compare.add_argument(
         "-m", "--method", metavar="METHOD", type=_method, action="append", help=f"{method}; may be repeated (all)"
@@ -151,11 +151,9 @@ def make_parser() -> argparse.ArgumentParser:
     compare.add_argument("--size", metavar="WxH", type=_size, help=size)
     compare.add_argument("--tolerance", metavar="PX", type=float, help=tolerance)
     compare.add_argument("--json", metavar="FILE", type=Path, help="write the figures as JSON")
-    compare.add_argument("--html", metavar="FILE", type=Path, help="write one page with pictures, errors and figures")
+    compare.add_argument("--html", metavar="FILE", type=Path, help="write one page with images, errors and figures")
 
-    view = command(
-        "view", "look at a scene, or a model before a convex mirror: turn it, and see how true the picture is"
-    )
+    view = command("view", "look at a scene, or a model before a convex mirror: turn it, and see how true the image is")
     named = f"{scene} ({FIRST_SCENE})"
     view.add_argument("scene", metavar="SCENE|MODEL", nargs="?", default=FIRST_SCENE, help=named)
     view.add_argument("-m", "--method", metavar="METHOD", type=_method, help=method)
@@ -167,7 +165,7 @@ def make_parser() -> argparse.ArgumentParser:
     turntable = command("turntable", "save a video of the eye going round what it looks at, or through several views")
     turntable.add_argument("scene", metavar="SCENE|MODEL", help=scene)
     turntable.add_argument("-m", "--method", metavar="METHOD", type=_method, help=method)
-    videos = f"{', '.join(VIDEOS)}, or without a suffix a folder for numbered PNG pictures"
+    videos = f"{', '.join(VIDEOS)}, or without a suffix a folder for numbered PNG images"
     turntable.add_argument("-o", "--output", metavar="FILE|DIR", type=Path, required=True, help=f"the video: {videos}")
     turntable.add_argument("--size", metavar="WxH", type=_size, help=size)
     frames = "how many, 30 a second (120; on a path 60 from one view to the next)"
@@ -200,7 +198,7 @@ def make_parser() -> argparse.ArgumentParser:
     trilinear.add_argument(
         "--output", metavar="DIR", type=Path, default=Path("bench-output"), help="tables and plots (bench-output)"
     )
-    trilinear.add_argument("--quick", action="store_true", help="small pictures and scenes: does it work?")
+    trilinear.add_argument("--quick", action="store_true", help="small images and scenes: does it work?")
     trilinear.add_argument(
         "--part", metavar="PART", action="append", help="random, clipping, configurations, ...; may be repeated (all)"
     )

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 
 from anamorph.base.errors import AnamorphError
 from anamorph.base.logs import show_errors_of_libraries, silence_libraries
-from anamorph.base.output import PICTURES, check_directory, check_output, save_array, save_text
+from anamorph.base.output import IMAGES, check_directory, check_output, save_array, save_text
 from anamorph.base.progress import progress_bar
 from anamorph.base.versions import versions
 from anamorph.cli.arguments import make_parser
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from anamorph.methods import Specification
 
 NOTEWORTHY = 0.005
-"""The share of a picture's mirrors without an answer that is reported to a user."""
+"""The share of an image's mirrors without an answer that is reported to a user."""
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -69,7 +69,7 @@ def _fail(message: str, code: int) -> int:
 
 
 def _render(arguments: argparse.Namespace) -> None:
-    check_output(arguments.output, PICTURES)
+    check_output(arguments.output, IMAGES)
     for _, path in arguments.seen:
         check_output(path, (".npy",))
     _check_distinct(arguments.output, *(path for _, path in arguments.seen))
@@ -92,7 +92,7 @@ def _render(arguments: argparse.Namespace) -> None:
             specification = specification.with_options(tolerance=arguments.tolerance)
 
         def drawn(done: int, total: int) -> None:
-            report(done, total, f"{what}, picture {done} of {total}" if total > 1 else what)
+            report(done, total, f"{what}, image {done} of {total}" if total > 1 else what)
 
         frame = draw_frame(view, specification, True, drawn)
     frame.save(arguments.output)
@@ -234,7 +234,7 @@ def _demo(arguments: argparse.Namespace) -> None:
     with progress_bar("starting") as report:
         comparison = make_demo(arguments.output, arguments.command_line, report)
     print_table(comparison_table(comparison))
-    print(f"Pictures and the page are in {arguments.output}; open {arguments.output / 'index.html'}")
+    print(f"Images and the page are in {arguments.output}; open {arguments.output / 'index.html'}")
 
 
 def _remedy(specification: Specification, ended: bool) -> str:

@@ -1,4 +1,4 @@
-"""The demonstration: one scene by three methods, as pictures, a table and a page."""
+"""The demonstration: one scene by three methods, as images, a table and a page."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from anamorph.rendering import draw_frame
 
 SCENE = "car-mirror"
 SIZE = DEFAULT_SIZE
-PICTURES = {
+IMAGES = {
     "pervertex": ("pervertex:antialias=4,mipmaps=true", 1),
     "environment": ("environment:antialias=4", 2),
     "raytrace": ("raytrace", 3),
@@ -29,9 +29,9 @@ def make_demo(directory: Path, command: str, report: Report) -> Comparison:
     directory.mkdir(parents=True, exist_ok=True)
     report(0, 1, f"making the scene {SCENE}")
     scene, _ = open_scene(SCENE)
-    comparison = compare(scene, tuple(PICTURES), SIZE, command=command, report=report)
-    for step, (name, (specification, samples)) in enumerate(PICTURES.items()):
-        report(step, len(PICTURES), f"smooth picture by {name}")
+    comparison = compare(scene, tuple(IMAGES), SIZE, command=command, report=report)
+    for step, (name, (specification, samples)) in enumerate(IMAGES.items()):
+        report(step, len(IMAGES), f"smooth image by {name}")
         view = View(scene, scene.camera, SIZE, samples)
         draw_frame(view, Specification.parse(specification)).save(directory / f"{SCENE}-{name}.png")
     save_text(directory / "comparison.json", comparison.to_json())

@@ -21,7 +21,7 @@ LIGHTS = ("directional", "point", "ambient")
 BASE = ("builtin", "base", "mirror_of", *CHOICE)
 
 DEFAULT_SIZE = (1024, 768)
-"""Width and height of a picture, pixels, unless someone says otherwise."""
+"""Width and height of an image, pixels, unless someone says otherwise."""
 
 
 @dataclass(frozen=True)

@@ -123,7 +123,7 @@ def save_view(
     camera : Camera
         The eye.
     size : (width, height)
-        Of the picture, pixels.
+        Of the image, pixels.
     method : str
     edits : mapping of str to Edit
         What has been changed, by the name of the part.
@@ -139,7 +139,7 @@ def save_view(
     if opened.source is None:
         raise AnamorphError(
             f"scene '{opened.scene.name}' was made in Python, so that no scene file can name its parts; "
-            "save the picture, or give the viewer a file"
+            "save the image, or give the viewer a file"
         )
     document = {
         "name": opened.scene.name,

@@ -29,7 +29,7 @@ COLORS: tuple[Rgb, ...] = (
 )  # fmt: skip
 
 CAMERA = Camera(position=(-1.9, 3.5, 3.3), target=(0.0, -0.15, 0.0), field_of_view=46.0)
-"""Figures 6.3, 6.4 and 7.6: the board reaches the picture's borders, and the cube is in the middle third."""
+"""Figures 6.3, 6.4 and 7.6: the board reaches the image's borders, and the cube is in the middle third."""
 LEFT = Camera(position=(-3.6, 0.9, -0.55), target=(-0.5, 0.0, -0.55), field_of_view=28.0)
 FRONT = Camera(position=(0.55, 0.9, 3.6), target=(0.55, 0.0, 0.5), field_of_view=28.0)
 """The two views of Figure 6.7. Their inner borders meet on the cube, so that its corner fills what is between."""

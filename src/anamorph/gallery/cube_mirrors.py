@@ -1,7 +1,7 @@
 """The numbered cube in the two mirrors of the thesis on trilinear projection.
 
 Source: Vallance, "Trilinear projection" (PhD thesis, 2005), section 7.4: Figures 7.3 and 7.4, a part of a mirror sphere
-close before the eye that fills a square picture; Figure 7.5, a flat mirror of 5 x 5 quads whose normals are perturbed
+close before the eye that fills a square image; Figure 7.5, a flat mirror of 5 x 5 quads whose normals are perturbed
 at random. Where things stand and by how much normals turn is ours: the thesis does not tell.
 """
 
@@ -18,7 +18,7 @@ from anamorph.surfaces.sphere import Sphere
 
 QUADS = 5
 MARGIN = 1.01
-"""The mirror is seen a little larger than the square picture, so that rounding opens no gap at its border."""
+"""The mirror is seen a little larger than the square image, so that rounding opens no gap at its border."""
 
 BALL = Sphere(np.array([-1.4, 1.5, -2.0]), 1.0)
 BALL_CAMERA = Camera(position=(-0.75, 1.1, -0.9), target=(-1.4, 1.24, -2.0), field_of_view=52.0)
@@ -67,7 +67,7 @@ def cube_in_wavy_mirror(degrees: float = WAVE, seed: int = SEED) -> Scene:
 
 
 def _sight(camera: Camera, quads: int) -> np.ndarray:
-    """Unit directions through a grid over a square picture, row by row from the bottom, (N, 3)."""
+    """Unit directions through a grid over a square image, row by row from the bottom, (N, 3)."""
     if not np.isfinite(quads) or quads != int(quads) or quads < 1:
         raise AnamorphError(f"cube-in-sphere: quads is {quads}; give a whole number, 1 or more")
     steps = 0.5 + MARGIN * np.linspace(-0.5, 0.5, int(quads) + 1)

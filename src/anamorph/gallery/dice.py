@@ -1,4 +1,4 @@
-"""Dice with letters on them, which show when a picture is reversed."""
+"""Dice with letters on them, which show when an image is reversed."""
 
 from __future__ import annotations
 

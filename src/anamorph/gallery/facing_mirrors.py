@@ -28,7 +28,7 @@ LOOK: Vector = (-0.10, 1.36, -1.0)
 def facing_mirrors() -> Scene:
     """The built-in scene `facing-mirrors`."""
     far, near = hung("mirror-far", *FAR, FAR_NORMAL), hung("mirror-near", *NEAR, (0.0, 0.0, -1.0))
-    furniture = (*room.shell(), *room.window(), *room.shelf(), *room.pictures(), room.door())
+    furniture = (*room.shell(), *room.window(), *room.shelf(), *room.images(), room.door())
     return Scene(
         name="facing-mirrors",
         meshes=(*far, *near, *things(), *furniture),

@@ -78,7 +78,7 @@ def rings(*stations: tuple[Rectangle, float]) -> np.ndarray:
 
 
 def block(size: tuple[float, float, float], color: Color) -> Shape:
-    """A coloured box that stands on the origin; its six sides differ a little, so that a reversed picture shows."""
+    """A coloured box that stands on the origin; its six sides differ a little, so that a reversed image shows."""
     x, y, z = size
     shape = box((-x / 2, 0.0, -z / 2), (x / 2, y, z / 2)).painted(color)
     return shape.shaded(np.repeat([1.0, 0.8, 1.1, 0.5, 0.95, 0.7], 4))

@@ -129,6 +129,6 @@ def _middle(lens: Lens) -> np.ndarray:
 
 
 def _looking(eye: tuple[float, float, float], lens: Lens, field_of_view: float) -> Camera:
-    """An eye whose target is the lens: whoever goes round that keeps it in the picture."""
+    """An eye whose target is the lens: whoever goes round that keeps it in the image."""
     x, y, z = _middle(lens).tolist()
     return Camera(position=eye, target=(x, y, z), field_of_view=field_of_view)

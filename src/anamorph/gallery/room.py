@@ -57,7 +57,7 @@ def room() -> Scene:
 
 def furniture() -> list[Mesh]:
     """All of the room but the pot."""
-    return [*shell(), *window(), *table(), *tableware(), *shelf(), *pictures(), door()]
+    return [*shell(), *window(), *table(), *tableware(), *shelf(), *images(), door()]
 
 
 def white(image: Texture | None = None) -> Diffuse:
@@ -226,7 +226,7 @@ def spines() -> Texture:
     return texture(image)
 
 
-def pictures() -> list[Mesh]:
+def images() -> list[Mesh]:
     """Framed prints with words on them, on the walls before and behind the eye."""
     z = DEPTH / 2
     print_ = texture(poster())
@@ -237,8 +237,8 @@ def pictures() -> list[Mesh]:
         box((-0.60, 1.10, z - 0.01), (1.00, 1.95, z), "+x-x+y-y-z"),
     ]
     return [
-        join([front, back]).mesh("pictures", white(print_)),
-        join(frames).mesh("pictures/frames", Diffuse(color=(0.16, 0.09, 0.05))),
+        join([front, back]).mesh("images", white(print_)),
+        join(frames).mesh("images/frames", Diffuse(color=(0.16, 0.09, 0.05))),
     ]
 
 

@@ -23,7 +23,7 @@ SPARE = 1.25
 """How much larger than needed a buffer is made: a moving eye does not bring a new one every frame."""
 
 MOST_LIGHTS = 1024
-"""Directional and point lights of a scene, as many as shading.wgsl has room for."""
+"""Directional and point lights of a scene, as many as shading.wgsl has space for."""
 
 OBJECT = np.dtype(
     [
@@ -59,7 +59,7 @@ class SceneBuffers:
         Mesh i owns triangles first_face[i] to first_face[i + 1].
     specular, mirrors : tuple of int
         Indices of the meshes that are mirrors or glass, and of the mirrors alone.
-    bends, textured : (meshes,) bool
+    specular_meshes, textured : (meshes,) bool
         Whether a mesh is specular, and whether it has a texture.
     sky_image : bool
         Whether the sky is an image.
@@ -72,7 +72,7 @@ class SceneBuffers:
     first_face: np.ndarray
     specular: tuple[int, ...]
     mirrors: tuple[int, ...]
-    bends: np.ndarray
+    specular_meshes: np.ndarray
     textured: np.ndarray
     sky_image: bool
     shading: wgpu.GPUBindGroup
@@ -103,7 +103,7 @@ def upload_scene(scene: Scene, geometry: Geometry) -> SceneBuffers:
         first_face=geometry.first_face,
         specular=tuple(i for i, mesh in enumerate(scene.meshes) if mesh.specular),
         mirrors=tuple(i for i, mesh in enumerate(scene.meshes) if isinstance(mesh.material, Mirror)),
-        bends=np.array([mesh.specular for mesh in scene.meshes], bool),
+        specular_meshes=np.array([mesh.specular for mesh in scene.meshes], bool),
         textured=objects["texture_layer"] > 0,
         sky_image=scene.sky.image is not None,
         shading=bind(shading_layout(), resources),
@@ -130,7 +130,7 @@ def storage_buffer(data: np.ndarray, usage: int = 0) -> wgpu.GPUBuffer:
     )
 
 
-def roomy_buffer(buffer: wgpu.GPUBuffer | None, needed: int) -> wgpu.GPUBuffer:
+def grown_buffer(buffer: wgpu.GPUBuffer | None, needed: int) -> wgpu.GPUBuffer:
     """`buffer` if it has the bytes that are needed, else a new one with some to spare."""
     if buffer is not None and buffer.size >= needed:
         return buffer

@@ -15,7 +15,7 @@ os.environ.setdefault("XDG_RUNTIME_DIR", tempfile.gettempdir())
 
 import wgpu
 
-# A larger scene, texture or picture than WebGPU's guaranteed minimum is welcome wherever the adapter can hold it.
+# A larger scene, texture or image than WebGPU's guaranteed minimum is welcome wherever the adapter can hold it.
 _LIMITS = ("max-texture-dimension-2d", "max-texture-array-layers", "max-buffer-size", "max-storage-buffer-binding-size")
 _FEATURES = ("timestamp-query",)
 """What is asked for wherever the adapter has it; nothing depends on it."""
@@ -127,5 +127,5 @@ def adapter_name() -> str:
 
 
 def maximum_size() -> int:
-    """The largest width or height of a picture, in pixels."""
+    """The largest width or height of an image, in pixels."""
     return get_device().limits["max-texture-dimension-2d"]

@@ -32,7 +32,7 @@ class ProjectionUniform:
         self.group = bind(projection_layout(), [self.buffer])
 
     def write(self, projection: Projection, size: tuple[int, int]) -> None:
-        """Set it for a picture of `size`."""
+        """Set it for an image of `size`."""
         get_device().queue.write_buffer(self.buffer, 0, projection.uniform(size))
 
 
@@ -89,7 +89,7 @@ class ScenePipelines:
     plain : pipeline
         The same as `meshes` for those without a texture.
     backs, stand_ins : pipelines
-        Of specular meshes: the matt backs of mirrors, and the fronts that no method draws.
+        Of specular meshes: the diffuse backs of mirrors, and the fronts that no method draws.
     sky : pipeline
     """
 
@@ -116,7 +116,7 @@ seen point; that and colour in one pass; and the point and the object at the end
 
 @of_device
 def scene_pipelines(output: str, samples: int = 1, mirrored: bool = False, sky_image: bool = True) -> ScenePipelines:
-    """The scene for one of `OUTPUTS`; `mirrored` for projections whose pictures are left-handed, as a cube map's are.
+    """The scene for one of `OUTPUTS`; `mirrored` for projections whose images are left-handed, as a cube map's are.
 
     Without a `sky_image` they draw only scenes whose sky is a gradient, and that faster.
     """
@@ -159,7 +159,7 @@ def draw_depth(
         extra(render_pass)
     render_pass.set_vertex_buffer(0, buffers.vertices)
     render_pass.set_index_buffer(buffers.indices, "uint32")
-    _draw_ranges(render_pass, pipelines.depth, buffers, _runs(_present(buffers, visible) & ~buffers.bends))
+    _draw_ranges(render_pass, pipelines.depth, buffers, _runs(_present(buffers, visible) & ~buffers.specular_meshes))
 
 
 def _present(buffers: SceneBuffers, visible: np.ndarray | None) -> np.ndarray:
@@ -185,7 +185,7 @@ def draw_scene(
     replaced : sequence of int
         The mirrors whose fronts a method draws itself.
     visible : (meshes,) bool, optional
-        The meshes that may be in the picture.
+        The meshes that may be in the image.
     sky : bool
         Whether to draw it.
     extra : callable, optional
@@ -197,7 +197,7 @@ def draw_scene(
     render_pass.set_vertex_buffer(0, buffers.vertices)
     render_pass.set_index_buffer(buffers.indices, "uint32")
     present = _present(buffers, visible)
-    diffuse = present & ~buffers.bends
+    diffuse = present & ~buffers.specular_meshes
     _draw_ranges(render_pass, pipelines.meshes, buffers, _runs(diffuse & buffers.textured))
     _draw_ranges(render_pass, pipelines.plain, buffers, _runs(diffuse & ~buffers.textured))
     mirrors = [index for index in buffers.mirrors if present[index]]

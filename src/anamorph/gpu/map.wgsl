@@ -9,7 +9,7 @@ fn map_point(seen_by: Projection, place: vec2f, depth: vec4f) -> vec4f {
     if depth.w == 0.0 {
         return vec4f(normalize(seen_by.base.xyz + ndc.x * seen_by.right.xyz + ndc.y * seen_by.up.xyz), 0.0);
     }
-    // Depth is linear in the picture on a triangle, so its slopes carry it from the texel's centre to the place.
+    // Depth is linear in the image on a triangle, so its slopes carry it from the texel's centre to the place.
     let offset = pixel - min(floor(pixel), seen_by.size.xy - 1.0) - 0.5;
     let point = seen_by.unclip * vec4f(ndc, depth.x + dot(depth.yz, offset), 1.0);
     return vec4f(point.xyz / point.w, depth.w);

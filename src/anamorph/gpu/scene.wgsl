@@ -4,12 +4,12 @@
 struct Projection {
     clip: mat4x4f,
     unclip: mat4x4f,
-    // The picture point (x, y), each in -1 to 1, looks along base + x right + y up; w: the angle of a pixel.
+    // The image point (x, y), each in -1 to 1, looks along base + x right + y up; w: the angle of a pixel.
     base: vec4f,
     right: vec4f,
     up: vec4f,
     eye: vec4f,
-    // xy: pixels of the picture, zw: its first pixel, where it is a part of a larger one.
+    // xy: pixels of the image, zw: its first pixel, where it is a part of a larger one.
     size: vec4f,
 }
 
@@ -121,7 +121,7 @@ fn is_front(point: vec4f) -> bool {
     return fract(point.w) > 0.25;
 }
 
-// For a map's reader: depth is linear in the picture on each triangle, so that depth, its slopes and the object
+// For a map's reader: depth is linear in the image on each triangle, so that depth, its slopes and the object
 // number give back the seen point anywhere in the texel.
 fn depth_and_slopes(pixel: vec4f, object: u32) -> vec4f {
     return vec4f(pixel.z, dpdx(pixel.z), dpdy(pixel.z), f32(object));
@@ -189,7 +189,7 @@ fn scene_end(fragment: SceneFragment) -> @location(0) vec4f {
     return vec4f(fragment.position, f32(fragment.object));
 }
 
-// A corner of a triangle that covers the picture.
+// A corner of a triangle that covers the image.
 fn covering(index: u32, depth: f32) -> vec4f {
     let corner = vec2f(f32((index << 1u) & 2u), f32(index & 2u));
     return vec4f(corner * 2.0 - 1.0, depth, 1.0);

@@ -29,7 +29,7 @@ struct Lighting {
 // Taps of the texture filter: footprints up to so many times as long as wide stay sharp.
 const MAXIMUM_TAPS = 8.0;
 
-// Pictures are half floats; what is beyond the largest would be infinite on some devices, and NaN after a blend.
+// Images are half floats; what is beyond the largest would be infinite on some devices, and NaN after a blend.
 const LARGEST_HALF = 65504.0;
 
 // 0 where it is known that no image replaces the sky's gradient, and that no object has a texture: constants, because

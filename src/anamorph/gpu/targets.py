@@ -21,7 +21,7 @@ _USAGE = wgpu.TextureUsage.RENDER_ATTACHMENT | wgpu.TextureUsage.TEXTURE_BINDING
 
 @dataclass(frozen=True, eq=False)
 class Target:
-    """A picture being drawn: its textures, of which depth, and with antialiasing also colour, is multisampled.
+    """An image being drawn: its textures, of which depth, and with antialiasing also colour, is multisampled.
 
     Parameters
     ----------

@@ -1,1 +1,1 @@
-"""How far a frame is from the truth."""
+"""How far a frame is from the reference."""

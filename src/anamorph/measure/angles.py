@@ -1,7 +1,7 @@
-"""How far a seen point is from the true one: as an angle at the specular surface, and in pixels of the picture.
+"""How far a seen point is from the true one: as an angle at the specular surface, and in pixels of the image.
 
-Both are computed from the last ray of the truth, in float64. Rays are S + t d: S on the specular surface, d unit. The
-compiled functions take one ray, so that other compiled loops can use them.
+Both are computed from the last ray of the reference, in float64. Rays are S + t d: S on the specular surface, d unit.
+The compiled functions take one ray, so that other compiled loops can use them.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ def angles_between(first: np.ndarray, second: np.ndarray) -> np.ndarray:
     return np.where((sine == 0.0) & (cosine == 0.0), np.pi, np.arctan2(sine, cosine))
 
 
-def picture_distances(
+def image_distances(
     origins: np.ndarray,
     directions: np.ndarray,
     toward: np.ndarray,
@@ -40,12 +40,12 @@ def picture_distances(
     footprints: np.ndarray,
     limit: float,
 ) -> np.ndarray:
-    """How far one must move in the picture for the truth to see another point: `picture_distance` of N rays.
+    """How far one must move in the image for the reference to see another point: `image_distance` of N rays.
 
     Parameters
     ----------
     origins, directions : (N, 3)
-        S and d of the truth.
+        S and d of the reference.
     toward : (N, 3)
         Unit vectors from S to the seen point.
     distances : (N,)
@@ -61,7 +61,7 @@ def picture_distances(
     vectors = (origins, directions, toward, *np.moveaxis(footprints, 2, 0))
     first, second, third, right, down = (map(tuple, np.asarray(array, float).tolist()) for array in vectors)
     rays = zip(first, second, third, distances.tolist(), right, down, strict=True)
-    return np.array([picture_distance(*ray, limit) for ray in rays], float)
+    return np.array([image_distance(*ray, limit) for ray in rays], float)
 
 
 @compiled
@@ -85,7 +85,7 @@ def angle_between(first: Vector, second: Vector) -> float:
 
 
 @compiled
-def picture_distance(
+def image_distance(
     origin: Vector,
     direction: Vector,
     toward: Vector,
@@ -94,16 +94,16 @@ def picture_distance(
     downwards: Vector,
     limit: float,
 ) -> float:
-    """How far one must move in the picture for the truth to see another point, to first order, pixels.
+    """How far one must move in the image for the reference to see another point, to first order, pixels.
 
     Solves, in the plane perpendicular to d, footprint (dx, dy) = offset, where the offset is that of the seen point
-    from the truth's ray. Where the footprint is singular (a caustic: moving the pixel moves nothing) its singular
+    from the reference's ray. Where the footprint is singular (a caustic: moving the pixel moves nothing) its singular
     values are raised to what float32 resolves, so the answer is large but defined.
 
     Parameters
     ----------
     origin, direction : three floats
-        S and d of the truth.
+        S and d of the reference.
     toward : three floats
         Unit vector from S to the seen point.
     distance : float
@@ -111,7 +111,7 @@ def picture_distance(
     rightwards, downwards : three floats
         How the point at that distance moves when one moves by one pixel, metres (or radians).
     limit : float
-        Answers beyond it (the picture's diagonal) are cut to it: the first order says nothing that far away.
+        Answers beyond it (the image's diagonal) are cut to it: the first order says nothing that far away.
     """
     cosine = dot(direction, toward)
     across = along(toward, -cosine, direction)

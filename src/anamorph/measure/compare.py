@@ -1,4 +1,4 @@
-"""Methods beside the truth on one scene: pictures, errors and times from one run."""
+"""Methods beside the reference on one scene: images, errors and times from one run."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ class MethodResult:
 
 @dataclass(frozen=True, eq=False)
 class Comparison:
-    """Methods measured against one truth.
+    """Methods measured against one reference.
 
     Parameters
     ----------
@@ -49,9 +49,9 @@ class Comparison:
     versions : dict of str to str
     command : str
         What was run, for whoever wants to run it again; may be empty.
-    truth : str
+    reference : str
         The method that the errors are measured against.
-    truth_frame : Frame
+    reference_frame : Frame
     methods : tuple of MethodResult
         The competitor among them.
     without_mirrors : Timing, optional
@@ -63,8 +63,8 @@ class Comparison:
     adapter: str
     versions: dict[str, str]
     command: str
-    truth: str
-    truth_frame: Frame
+    reference: str
+    reference_frame: Frame
     methods: tuple[MethodResult, ...]
     without_mirrors: Timing | None = None
 
@@ -81,7 +81,7 @@ class Comparison:
             "adapter": self.adapter,
             "versions": self.versions,
             "command": self.command,
-            "truth": self.truth,
+            "reference": self.reference,
             "without_mirrors_ms": asdict(self.without_mirrors) if self.without_mirrors else None,
             "methods": {
                 result.name: {
@@ -109,12 +109,12 @@ def compare(
     scene: Scene,
     methods: Sequence[str | Specification],
     size: tuple[int, int] = DEFAULT_SIZE,
-    truth: str | Specification = COMPETITOR,
+    reference: str | Specification = COMPETITOR,
     frames: int = 30,
     command: str = "",
     report: Report | None = None,
 ) -> Comparison:
-    """Draw a scene by each method, measure it against the truth, and time it.
+    """Draw a scene by each method, measure it against the reference, and time it.
 
     Parameters
     ----------
@@ -123,7 +123,7 @@ def compare(
     methods : sequence of str or Specification
         Each "NAME" or "NAME:option=value,...", parsed or not. The competitor, `raytrace`, is always added.
     size : (width, height)
-    truth : str or Specification
+    reference : str or Specification
         The method that is right: `raytrace` bends rays at the exact surface.
     frames : int
         How many frames are timed, at least; all methods take turns.
@@ -136,7 +136,7 @@ def compare(
     -------
     Comparison
     """
-    steps = comparison_steps(scene, methods, size, truth, frames, command)
+    steps = comparison_steps(scene, methods, size, reference, frames, command)
     return drain(steps, lambda step: report(*step) if report else None)
 
 
@@ -144,7 +144,7 @@ def comparison_steps(
     scene: Scene,
     methods: Sequence[str | Specification],
     size: tuple[int, int] = DEFAULT_SIZE,
-    truth: str | Specification = COMPETITOR,
+    reference: str | Specification = COMPETITOR,
     frames: int = 30,
     command: str = "",
 ) -> Generator[Step, None, Comparison]:
@@ -152,7 +152,7 @@ def comparison_steps(
 
     What is drawn elsewhere between two steps must have finished before the next, or it would count as a method's time.
     """
-    right = Specification.parse(truth)
+    right = Specification.parse(reference)
     chosen = {str(each): each for each in map(Specification.parse, (*methods, COMPETITOR, right))}
     names = tuple(dict.fromkeys(str(Specification.parse(each)) for each in (*methods, COMPETITOR)))
     total = 2 * len(names) + 1
@@ -163,12 +163,12 @@ def comparison_steps(
         yield 0, total, f"opening {name}"
         sessions[name] = specification.open(view)
     yield 0, total, f"truth by {right}"
-    truth_frame = _frame(sessions[str(right)], view)
+    reference_frame = _frame(sessions[str(right)], view)
     drawn: dict[str, tuple[Frame, Errors]] = {}
     for step, name in enumerate(names, start=1):
         yield step, total, f"errors of {name}"
-        frame = truth_frame if name == str(right) else _frame(sessions[name], view)
-        drawn[name] = frame, measure(truth_frame, frame)
+        frame = reference_frame if name == str(right) else _frame(sessions[name], view)
+        drawn[name] = frame, measure(reference_frame, frame)
 
     # Under a name that no method has.
     timed = {name: sessions[name] for name in names} | _without_mirrors(view)
@@ -185,8 +185,8 @@ def comparison_steps(
         adapter=adapter_name(),
         versions=versions(),
         command=command,
-        truth=str(right),
-        truth_frame=truth_frame,
+        reference=str(right),
+        reference_frame=reference_frame,
         methods=tuple(MethodResult(name, *drawn[name], timings[name]) for name in names),
         without_mirrors=timings.get(""),
     )

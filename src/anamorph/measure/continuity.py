@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from anamorph.frame import View
-from anamorph.measure.angles import angles_between, normalized, picture_distances
+from anamorph.measure.angles import angles_between, image_distances, normalized
 from anamorph.measure.errors import Statistics, statistics
 from anamorph.methods import pervertex
 from anamorph.methods.pervertex import MapPlan, Options, Seen, Surroundings
@@ -37,13 +37,13 @@ class BorderErrors:
     points : (N, 3) float64
         On the surface, metres.
     places : (N, 2) float64
-        The same in the picture, pixels from the top left corner.
+        The same in the image, pixels from the top left corner.
     along : (N,) float64
         Where on their edges they lie, 0 and 1 at the vertices.
     angular_mrad : (N,) float64
         The angle between what the two patches show, at the point where the ray leaves the surface, milliradians.
     pixels : (N,) float64
-        How far one would have to move in the picture to see the other, to first order.
+        How far one would have to move in the image to see the other, to first order.
     edges : int
         How many edges two patches share.
     left_out : int
@@ -64,7 +64,7 @@ class BorderErrors:
         return statistics(self.angular_mrad)
 
     @property
-    def in_picture(self) -> Statistics:
+    def in_image(self) -> Statistics:
         """Of the errors in pixels."""
         return statistics(self.pixels)
 
@@ -74,7 +74,7 @@ def continuity(view: View, options: Options | None = None, along: np.ndarray = A
     geometry = flatten(view.scene)
     bodies = bodies_of(view.scene, geometry)
     surroundings = pervertex.surroundings_of(geometry, bodies)
-    seen = pervertex.seen_bodies(bodies, surroundings, view.pinhole, view.size, options or Options())
+    seen = pervertex.seen_bodies(bodies, surroundings, view.pinhole_camera, view.size, options or Options())
     return border_errors(seen, surroundings, view.size, along)
 
 
@@ -90,7 +90,7 @@ def border_errors(
     surroundings : Surroundings
         The same that the maps were planned in.
     size : (width, height)
-        Of the picture, pixels; what lies outside it is not measured.
+        Of the image, pixels; what lies outside it is not measured.
     along : (M,) float64
         Where on each edge, 0 to 1.
     """
@@ -134,7 +134,7 @@ def _borders(seen: Seen) -> Iterator[_Border]:
         pair = np.stack([ends[first[chosen]], ends[second[chosen]]], axis=1)
         plans = seen.plans[one], seen.plans[other]
         valid = [_lookups(plan, pair[:, number])[..., 3].all(axis=1) for number, plan in enumerate(plans)]
-        usable = (rays.status[pair] == 0).all(axis=(1, 2)) & (rays.picture[pair, 2] > 0.0).all(axis=(1, 2))
+        usable = (rays.status[pair] == 0).all(axis=(1, 2)) & (rays.image[pair, 2] > 0.0).all(axis=(1, 2))
         yield _Border(seen, plans, pair, corners[first[chosen]], usable & valid[0] & valid[1])
 
 
@@ -162,7 +162,7 @@ def _measured(
         weights = np.stack([1.0 - along, along], axis=1)
         return np.einsum("mc,ecj->emj", weights, values).reshape(-1, values.shape[-1])
 
-    homogeneous, origins = between(rays.picture[ends]), between(rays.origins[ends])
+    homogeneous, origins = between(rays.image[ends]), between(rays.origins[ends])
     places = homogeneous[:, :2] / homogeneous[:, 2:]
     inside = ((places >= 0.0) & (places <= size)).all(axis=1)
     found = [
@@ -172,7 +172,7 @@ def _measured(
     (toward, _), (other, distances) = found
     angles = 1000.0 * angles_between(toward, other)
     footprints = _footprints(border, np.repeat(corners, len(along), axis=0), homogeneous, distances)
-    pixels = picture_distances(origins, toward, other, distances, footprints, float(np.linalg.norm(size)))
+    pixels = image_distances(origins, toward, other, distances, footprints, float(np.linalg.norm(size)))
     columns = between(lens[ends]), places, np.tile(along, len(ends)), angles, pixels
     return tuple(column[inside] for column in columns)
 
@@ -181,9 +181,9 @@ def _found(
     plan: MapPlan, lookups: np.ndarray, origins: np.ndarray, surroundings: Surroundings, meshes: tuple[int, ...]
 ) -> tuple[np.ndarray, np.ndarray]:
     """Unit directions from `origins` to what a map shows at `lookups` (N, 4), and how far that is; sky is infinite."""
-    starts, lines = pervertex.map_lines(plan, lookups)
-    distances = pervertex.shown_distances(starts, lines, meshes, surroundings)
-    hits = starts + np.where(np.isfinite(distances), distances, 0.0)[:, None] * lines
+    line_origins, lines = pervertex.map_lines(plan, lookups)
+    distances = pervertex.shown_distances(line_origins, lines, meshes, surroundings)
+    hits = line_origins + np.where(np.isfinite(distances), distances, 0.0)[:, None] * lines
     sky = ~np.isfinite(distances)
     toward = normalized(np.where(sky[:, None], lines, hits - origins))
     return toward, np.where(sky, np.inf, np.linalg.norm(hits - origins, axis=1))
@@ -196,9 +196,9 @@ def _footprints(border: _Border, corners: np.ndarray, homogeneous: np.ndarray, d
     ahead = np.where(infinite, 1.0, distances)[:, None]
     moved = ahead * rays.unit_directions()[corners].swapaxes(0, 1)
     moved += np.where(infinite[:, None], 0.0, rays.origins[corners].swapaxes(0, 1))
-    picture = rays.picture[corners]
+    image = rays.image[corners]
     by_corner = np.stack([moved[1] - moved[0], moved[2] - moved[0]], axis=2)
     places = homogeneous[:, :2] / homogeneous[:, 2:]
-    edges = picture[:, 1:] - picture[:, :1]
+    edges = image[:, 1:] - image[:, :1]
     pixels = (edges[..., :2] - places[:, None] * edges[..., 2:]) / homogeneous[:, 2][:, None, None]
     return by_corner @ np.linalg.pinv(pixels.swapaxes(1, 2))

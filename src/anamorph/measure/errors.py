@@ -1,7 +1,8 @@
-"""How wrong a frame is: its errors against the truth, as figures and pixel by pixel.
+"""How wrong a frame is: its errors against the reference, as figures and pixel by pixel.
 
-Only pixels that have a last ray in the truth, and look at a specular surface there or through a ray mesh, count. Those
-within one pixel of a silhouette in the truth are counted apart, because there a shift of any size shows another object.
+Only pixels that have a last ray in the reference, and look at a specular surface there or through a ray mesh, count.
+Those within one pixel of a silhouette in the reference are counted apart, because there a shift of any size shows
+another object.
 """
 
 from __future__ import annotations
@@ -52,10 +53,10 @@ class GeometryErrors:
     Parameters
     ----------
     angular_mrad : Statistics
-        Angle, where the truth's last ray begins, between that ray and what the frame sees; away from silhouettes,
+        Angle, where the reference's last ray begins, between that ray and what the frame sees; away from silhouettes,
         milliradians.
     pixels : Statistics
-        How far one must move in the picture for the truth to see the same; away from silhouettes.
+        How far one must move in the image for the reference to see the same; away from silhouettes.
     other_object_percent : float or None
         Share of the pixels away from silhouettes that see another object.
     silhouette_percent : float or None
@@ -75,29 +76,29 @@ class Errors(ColorErrors, GeometryErrors):
     maps: ErrorMaps
 
 
-def counted(truth: Frame) -> np.ndarray:
-    """The pixels of the truth, (H, W) bool, that have a last ray, from a specular surface or through a ray mesh."""
-    bent = (_buffer("truth", truth, "specular") != 0) | truth.ray_mesh
-    return bent & _any(_buffer("truth", truth, "ray_direction"))
+def counted(reference: Frame) -> np.ndarray:
+    """The pixels of the reference, (H, W) bool, that have a last ray, from a specular surface or through a ray mesh."""
+    bent = (_buffer("reference", reference, "specular") != 0) | reference.ray_mesh
+    return bent & _any(_buffer("reference", reference, "ray_direction"))
 
 
-def measure(truth: Frame, frame: Frame) -> Errors:
-    """Errors of `frame` against `truth`, which must carry its last rays; both need their seen buffers."""
-    maps = error_maps(truth, frame)
-    colors = color_errors(_buffer("truth", truth, "color"), _buffer("frame", frame, "color"), maps.specular)
+def measure(reference: Frame, frame: Frame) -> Errors:
+    """Errors of `frame` against `reference`, which must carry its last rays; both need their seen buffers."""
+    maps = error_maps(reference, frame)
+    colors = color_errors(_buffer("reference", reference, "color"), _buffer("frame", frame, "color"), maps.specular)
     return Errors(**vars(geometry_statistics(maps)), **vars(colors), maps=maps)
 
 
-def error_maps(truth: Frame, frame: Frame) -> ErrorMaps:
+def error_maps(reference: Frame, frame: Frame) -> ErrorMaps:
     """What `measure` finds of each pixel, without its colours: some thirty times as fast."""
-    if truth.color.shape != frame.color.shape:
+    if reference.color.shape != frame.color.shape:
         raise AnamorphError(
-            f"truth {truth.color.shape} and frame {frame.color.shape} differ in size; draw both at one size"
+            f"truth {reference.color.shape} and frame {frame.color.shape} differ in size; draw both at one size"
         )
-    surface, true_object = _buffer("truth", truth, "specular"), _buffer("truth", truth, "object_id")
+    surface, true_object = _buffer("reference", reference, "specular"), _buffer("reference", reference, "object_id")
     object_id, looks_at = _buffer("frame", frame, "object_id"), _buffer("frame", frame, "specular")
     position = _buffer("frame", frame, "position")
-    specular = counted(truth)
+    specular = counted(reference)
     # Pixels that do not count border on those that do, as another surface does.
     through = np.where(specular, surface.astype(np.int64), NOTHING)
     silhouette = specular & silhouettes(true_object, through)
@@ -105,7 +106,7 @@ def error_maps(truth: Frame, frame: Frame) -> ErrorMaps:
     # The sky, too, is seen in some direction.
     shows_nothing = (object_id == 0) & ~_any(position)
     other_object = specular & ~silhouette & ((object_id != true_object) | misses | shows_nothing)
-    origin, direction = _buffer("truth", truth, "ray_origin"), _buffer("truth", truth, "ray_direction")
+    origin, direction = _buffer("reference", reference, "ray_origin"), _buffer("reference", reference, "ray_direction")
     angular, pixels = pixel_errors(origin, direction, through, position, object_id)
     return ErrorMaps(angular, pixels, specular, silhouette, other_object)
 
@@ -122,7 +123,7 @@ def geometry_statistics(maps: ErrorMaps) -> GeometryErrors:
 
 
 def silhouettes(*labels: np.ndarray) -> np.ndarray:
-    """Pixels, (H, W) bool, with one of their eight neighbours different in any of the label pictures (H, W)."""
+    """Pixels, (H, W) bool, with one of their eight neighbours different in any of the label images (H, W)."""
     found = np.zeros(labels[0].shape[:2], bool)
     before, after, every = slice(None, -1), slice(1, None), slice(None)
     for label in labels:

@@ -40,7 +40,7 @@ def timing_of(milliseconds: Sequence[float]) -> Timing:
 
 
 def eye_path(scene: Scene, n: int) -> list[Camera]:
-    """`n` cameras with the scene's target, whose eyes go round a small circle about its own, in the picture's plane.
+    """`n` cameras with the scene's target, whose eyes go round a small circle about its own, in the image's plane.
 
     Its radius follows from how far the nearest vertex of a specular mesh is, or the target where there is none.
     """

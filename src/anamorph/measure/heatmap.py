@@ -1,4 +1,4 @@
-"""Error maps as pictures, and the colour scales they are read with."""
+"""Error maps as images, and the colour scales they are read with."""
 
 from __future__ import annotations
 
@@ -52,21 +52,21 @@ def scale_colors(errors: np.ndarray, scale: Scale = MILLIRADIANS) -> np.ndarray:
     return np.round((1.0 - part) * STOPS[below] + part * STOPS[below + 1]).astype(np.uint8)
 
 
-def heat_map(maps: ErrorMaps, truth_color: np.ndarray) -> np.ndarray:
-    """Angular errors over the truth in faint grey: 8-bit sRGB, (H, W, 3) uint8."""
-    return heat_colors(maps, truth_color)[..., :3]
+def heat_map(maps: ErrorMaps, reference_color: np.ndarray) -> np.ndarray:
+    """Angular errors over the reference in faint grey: 8-bit sRGB, (H, W, 3) uint8."""
+    return heat_colors(maps, reference_color)[..., :3]
 
 
-def heat_colors(maps: ErrorMaps, truth_color: np.ndarray, scale: Scale = MILLIRADIANS) -> np.ndarray:
-    """Errors on either scale over the truth in faint grey: opaque 8-bit sRGB, (H, W, 4) uint8."""
-    colors = faint(truth_color)
+def heat_colors(maps: ErrorMaps, reference_color: np.ndarray, scale: Scale = MILLIRADIANS) -> np.ndarray:
+    """Errors on either scale over the reference in faint grey: opaque 8-bit sRGB, (H, W, 4) uint8."""
+    colors = faint(reference_color)
     errors = maps.pixels if scale == PIXELS else maps.angular
     np.copyto(packed(colors), _heat(scale)[_upper_half(errors)], where=maps.specular)
     return colors
 
 
 def faint(color: np.ndarray) -> np.ndarray:
-    """A linear picture (H, W, 3) in grey so faint that colours stand out on it: opaque 8-bit sRGB, (H, W, 4) uint8."""
+    """A linear image (H, W, 3) in grey so faint that colours stand out on it: opaque 8-bit sRGB, (H, W, 4) uint8."""
     encoded = _encoded()[_upper_half(color)]
     grey = _faint()[encoded[..., 0] + encoded[..., 1] + encoded[..., 2]]
     return grey.view(np.uint8).reshape(*grey.shape, 4)

@@ -20,13 +20,13 @@ MARGIN = 12
 
 
 def comparison_page(comparison: Comparison) -> str:
-    """The whole page: pictures as data, the table, the error maps with their scale, and how it was made."""
+    """The whole page: images as data, the table, the error maps with their scale, and how it was made."""
     width, height = comparison.size
     template = Template(resources.files("anamorph.measure").joinpath("page.html").read_text(encoding="utf-8"))
-    drawn = [result for result in comparison.methods if result.name != comparison.truth]
+    drawn = [result for result in comparison.methods if result.name != comparison.reference]
     return template.substitute(
         scene=escape(comparison.scene),
-        truth=escape(comparison.truth),
+        reference=escape(comparison.reference),
         size=f"{width} x {height}",
         adapter=escape(comparison.adapter),
         head="".join(f'<th scope="col">{_breakable(result.name)}</th>' for result in comparison.methods),
@@ -34,7 +34,7 @@ def comparison_page(comparison: Comparison) -> str:
         frames=max((result.timing.n for result in comparison.methods), default=0),
         plain=_plain(comparison),
         sections="\n".join(_section(comparison, result) for result in drawn),
-        pictures="\n".join(_whole_pictures(comparison, drawn)),
+        images="\n".join(_whole_images(comparison, drawn)),
         versions="\n".join(f"<dt>{escape(n)}</dt><dd>{escape(v)}</dd>" for n, v in comparison.versions.items()),
         command=escape(comparison.command or "made from Python, not by a command"),
     )
@@ -73,12 +73,12 @@ def _section(comparison: Comparison, result: MethodResult) -> str:
     figures = (
         _figure(to_pixels(result.frame.color[box]), f"What {name} shows in the specular surfaces", name),
         _figure(
-            to_pixels(comparison.truth_frame.color[box]),
-            f"What is seen there in truth, by {escape(comparison.truth)}",
-            f"truth: {escape(comparison.truth)}",
+            to_pixels(comparison.reference_frame.color[box]),
+            f"What is seen there in truth, by {escape(comparison.reference)}",
+            f"truth: {escape(comparison.reference)}",
         ),
         _figure(
-            heat_map(maps, comparison.truth_frame.color)[box],
+            heat_map(maps, comparison.reference_frame.color)[box],
             f"Map of the angular error of {name}: median {number(angular.median)}, 95th percentile "
             f"{number(angular.p95)}, maximum {number(angular.max)} milliradians",
             "angular error, mrad (silhouettes included)" + _scale(),
@@ -93,14 +93,14 @@ def _section(comparison: Comparison, result: MethodResult) -> str:
     )
 
 
-def _whole_pictures(comparison: Comparison, drawn: list[MethodResult]) -> list[str]:
-    truth = escape(comparison.truth)
-    pictures = [
-        _figure(to_pixels(result.frame.color), f"The whole picture by {escape(result.name)}", _breakable(result.name))
+def _whole_images(comparison: Comparison, drawn: list[MethodResult]) -> list[str]:
+    reference = escape(comparison.reference)
+    images = [
+        _figure(to_pixels(result.frame.color), f"The whole image by {escape(result.name)}", _breakable(result.name))
         for result in drawn
     ]
-    alt = f"The whole picture in truth, by {truth}"
-    return [*pictures, _figure(to_pixels(comparison.truth_frame.color), alt, f"truth: {truth}")]
+    alt = f"The whole image in truth, by {reference}"
+    return [*images, _figure(to_pixels(comparison.reference_frame.color), alt, f"truth: {reference}")]
 
 
 def _figure(pixels: np.ndarray, alt: str, caption: str) -> str:

@@ -1,4 +1,4 @@
-"""The errors of every pixel of a frame against the truth's last rays, compiled and on all the cores."""
+"""The errors of every pixel of a frame against the reference's last rays, compiled and on all the cores."""
 
 from __future__ import annotations
 
@@ -8,10 +8,10 @@ import numpy as np
 
 from anamorph.base.compiled import compiled, inlined, over_all_cores
 from anamorph.base.vectors import Vector, along, dot
-from anamorph.measure.angles import angle_between, length, picture_distance, unit_or_zero
+from anamorph.measure.angles import angle_between, image_distance, length, unit_or_zero
 
 ROWS = 16
-"""Of the picture, that one core takes at a time."""
+"""Of the image, that one core takes at a time."""
 
 NOTHING = -1
 """The surface of pixels that do not count."""
@@ -20,12 +20,12 @@ NOTHING = -1
 def pixel_errors(
     origins: np.ndarray, directions: np.ndarray, surface: np.ndarray, positions: np.ndarray, object_ids: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Angular errors, and errors in the picture, of all pixels that count.
+    """Angular errors, and errors in the image, of all pixels that count.
 
     Parameters
     ----------
     origins, directions : (H, W, 3)
-        The truth's last rays; any length but zero where pixels count.
+        The reference's last rays; any length but zero where pixels count.
     surface : (H, W) int64
         Which specular surface each pixel looks at; `NOTHING` where pixels do not count.
     positions : (H, W, 3)
@@ -37,7 +37,7 @@ def pixel_errors(
     angular : (H, W) float64
         Milliradians; zero where pixels do not count.
     pixels : (H, W) float64
-        To first order, the picture's diagonal at most.
+        To first order, the image's diagonal at most.
     """
     angular, pixels = np.zeros((2, *surface.shape))
     rays = (np.ascontiguousarray(array, np.float32) for array in (origins, directions, positions))
@@ -136,4 +136,4 @@ def _measure_rows(
                 distance = math.inf
             rightwards = footprint(origins, directions, surface, row, column, 0, 1, distance)
             downwards = footprint(origins, directions, surface, row, column, 1, 0, distance)
-            pixels[row, column] = picture_distance(origin, direction, toward, distance, rightwards, downwards, limit)
+            pixels[row, column] = image_distance(origin, direction, toward, distance, rightwards, downwards, limit)

@@ -25,7 +25,7 @@ def comparison_table(comparison: Comparison) -> Table:
     plain = comparison.without_mirrors
     alone = "" if plain is None else f", {number(plain.median)} ms without mirrors"
     table = headed(
-        f"{comparison.scene}, {width} x {height}, against {comparison.truth}",
+        f"{comparison.scene}, {width} x {height}, against {comparison.reference}",
         f"{comparison.adapter}; frame times over {frames} frames, the eye moving{alone}",
         "",
         "unit",

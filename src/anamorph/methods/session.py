@@ -101,7 +101,7 @@ class Session:
         pipelines: ScenePipelines,
         draw_specular: Callable[[wgpu.GPURenderPassEncoder], None],
     ) -> None:
-        buffers, projection, pinhole = self._stage.buffers, self._stage.projection, self._stage.pinhole
+        buffers, projection, pinhole = self._stage.buffers, self._stage.projection, self._stage.has_pinhole
         depth_pass = begin_depth_pass(encoder, target)
         if pinhole:
             draw_depth(depth_pass, pipelines, buffers, projection)
@@ -144,7 +144,7 @@ class Session:
         """
         color = self.color() if color is None else color
         if not seen:
-            return Frame(color, ray_mesh=not self._stage.pinhole)
+            return Frame(color, ray_mesh=not self._stage.has_pinhole)
         stage = self._stage
         target = make_target(stage.view.size, SEEN_FORMATS)
         encoder = get_device().create_command_encoder()
@@ -164,6 +164,6 @@ class Session:
             deviation=deviation,
             ray_origin=origin,
             ray_direction=direction,
-            ray_mesh=not stage.pinhole,
+            ray_mesh=not stage.has_pinhole,
             figures=self._drawing.figures(),
         )

@@ -27,7 +27,7 @@ class SpecularDrawing(ABC):
     def prepare(
         self, encoder: wgpu.GPUCommandEncoder, camera: Any, shift: tuple[float, float]
     ) -> Generator[None, None, wgpu.GPUCommandEncoder] | None:
-        """Record whatever must be drawn or uploaded before the picture: maps, texture coordinates, hits.
+        """Record whatever must be drawn or uploaded before the image: maps, texture coordinates, hits.
 
         Where that may take long it is a generator, which yields every few milliseconds and returns the encoder to go
         on with: see `Recorder.part`. It may be closed at any step; the next frame then begins anew.
@@ -36,7 +36,7 @@ class SpecularDrawing(ABC):
 
     @abstractmethod
     def draw_color(self, render_pass: wgpu.GPURenderPassEncoder) -> None:
-        """Draw into the picture before the scene, which is hidden behind it; shading and projection are bound."""
+        """Draw into the image before the scene, which is hidden behind it; shading and projection are bound."""
 
     @abstractmethod
     def draw_seen(self, render_pass: wgpu.GPURenderPassEncoder) -> None:
@@ -52,7 +52,7 @@ class SpecularDrawing(ABC):
         return
 
     def complete(self, target: Target, camera: Any, shift: tuple[float, float]) -> None:
-        """Mend the picture in `target` where the method itself knows that it must."""
+        """Mend the image in `target` where the method itself knows that it must."""
         return
 
     def prepare_seen(self, encoder: wgpu.GPUCommandEncoder) -> None:

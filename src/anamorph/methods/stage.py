@@ -26,8 +26,8 @@ class Stage:
     Attributes
     ----------
     recorder : Recorder
-    pinhole : bool
-        Whether the camera is one. If it is a ray mesh, only the picture's size in the projection means something, and
+    has_pinhole : bool
+        Whether the camera is one. If it is a ray mesh, only the image's size in the projection means something, and
         the session leaves all drawing to the method.
     """
 
@@ -40,14 +40,14 @@ class Stage:
             raise AnamorphError(f"size {width}x{height}: give a width and height from 1 to {maximum_size()}")
         self.view = view
         self.recorder = Recorder()
-        self.pinhole = not isinstance(view.camera, RayMesh)
+        self.has_pinhole = not isinstance(view.camera, RayMesh)
         self.geometry: Geometry = flatten(view.scene)
         self.buffers: SceneBuffers = upload_scene(view.scene, self.geometry)
         self.projection: ProjectionUniform = ProjectionUniform()
 
     def look(self, camera: Camera | RayMesh, shift: tuple[float, float]) -> None:
         """Set the projection."""
-        if isinstance(camera, RayMesh) is self.pinhole:
+        if isinstance(camera, RayMesh) is self.has_pinhole:
             raise AnamorphError("camera: is of another kind than the session was opened with; open one for it")
         eye = self.view.scene.camera if isinstance(camera, RayMesh) else camera
         self.projection.write(camera_projection(eye, self.view.size, shift), self.view.size)

@@ -114,7 +114,7 @@ class BodyRays:
     rays : RayMesh
         Of green light, or of all light where the body does not disperse it.
     others : tuple of RayMesh
-        Those of red and of blue light, where the glass disperses; `picture` and `faces` are those of `rays`.
+        Those of red and of blue light, where the glass disperses; `image` and `faces` are those of `rays`.
     """
 
     body: Body
@@ -157,7 +157,7 @@ def rays_of(body: Body, eye: Eye, dispersion: bool = True) -> BodyRays:
     if not (dispersion and side.disperses):
         return BodyRays(body, side, rays)
     others = side_rays(side, eye, 0), side_rays(side, eye, 2)
-    return BodyRays(body, side, rays, tuple(replace(each, picture=rays.picture) for each in others))
+    return BodyRays(body, side, rays, tuple(replace(each, image=rays.image) for each in others))
 
 
 def side_rays(side: Side, eye: Eye, line: Line = 1) -> RayMesh:

@@ -61,8 +61,8 @@ def reflected_rays(mirror: Reflector, eye: Eye) -> RayMesh:
     RayMesh
     """
     offset = eye.offsets(mirror.positions)
-    picture = eye.picture(mirror.positions)
+    image = eye.image(mirror.positions)
     away = np.einsum("ij,ij->i", offset, mirror.normals) >= 0.0
     status = np.where(away, np.uint8(RayStatus.BACK_FACING), np.uint8(RayStatus.OK))
     # Directions as long as the eye's distance are linear on a flat mirror, so that interpolating them is exact there.
-    return RayMesh(picture, mirror.positions, reflect(offset, mirror.normals), mirror.faces, status)
+    return RayMesh(image, mirror.positions, reflect(offset, mirror.normals), mirror.faces, status)

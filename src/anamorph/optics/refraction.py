@@ -143,8 +143,8 @@ def refracted_rays(lens: Refractor, eye: Eye, index: float | None = None) -> Ray
     status[by_edge] = RayStatus.LEFT_BY_EDGE
     status[away] = RayStatus.BACK_FACING
     entering = 1.0 - fresnel(1.0 / index, _cosines(offset / distance, lens.normals))
-    share = np.where(total, entering, entering * (1.0 - fresnel(index, _cosines(inside, normals))))
-    return RayMesh(eye.picture(lens.positions), origins, distance * directions, lens.faces, status, share)
+    transmittance = np.where(total, entering, entering * (1.0 - fresnel(index, _cosines(inside, normals))))
+    return RayMesh(eye.image(lens.positions), origins, distance * directions, lens.faces, status, transmittance)
 
 
 def _cosines(directions: np.ndarray, normals: np.ndarray) -> np.ndarray:

@@ -1,4 +1,4 @@
-"""Whether a specular mesh is fine enough for a picture, and a scene whose meshes are.
+"""Whether a specular mesh is fine enough for an image, and a scene whose meshes are.
 
 Between its vertices a mesh has interpolated normals. Where the exact surface is known, so is what they are wrong by,
 and how many pixels that is once a ray has been bent there: the error of the ray over what the ray turns in a pixel.
@@ -27,7 +27,7 @@ SAMPLES = ([0, 1], [1, 2], [2, 0], [0, 1, 2])
 
 
 def normal_errors(mesh: Mesh, camera: Camera, size: tuple[int, int]) -> tuple[np.ndarray, np.ndarray]:
-    """How far interpolated normals lead rays astray on each triangle, in pixels of the picture.
+    """How far interpolated normals lead rays astray on each triangle, in pixels of the image.
 
     A ray that turns more slowly than the eye's own rays do counts as if it turned like them: where a mirror or a lens
     magnifies without bounds, so would the error.
@@ -43,10 +43,10 @@ def normal_errors(mesh: Mesh, camera: Camera, size: tuple[int, int]) -> tuple[np
     Returns
     -------
     errors : (F,) float64
-        Pixels, the greatest of four samples; 0 for a triangle that is turned away or not in the picture. One hidden
+        Pixels, the greatest of four samples; 0 for a triangle that is turned away or not in the image. One hidden
         behind others counts.
     areas : (F,) float64
-        How large it is in the picture, square pixels, and 0 likewise.
+        How large it is in the image, square pixels, and 0 likewise.
     """
     if mesh.surface is None or mesh.parameters is None:
         raise AnamorphError(f"part '{mesh.name}': has no exact surface to be compared with; leave it as it is")
@@ -159,12 +159,12 @@ def _edges(meshes: list[Mesh], beside: np.ndarray) -> tuple[np.ndarray, np.ndarr
 
 
 def _shown(mesh: Mesh, camera: Camera, size: tuple[int, int]) -> tuple[np.ndarray, np.ndarray]:
-    """Where corners are in the picture, (F, 3, 2), and the area of each triangle there; 0 where it is not shown."""
+    """Where corners are in the image, (F, 3, 2), and the area of each triangle there; 0 where it is not shown."""
     positions = np.asarray(mesh.positions, float)
-    picture = camera.picture(positions, size)
-    ahead = picture[:, 2] > 0.0
-    corners = (picture[:, :2] / np.where(ahead, picture[:, 2], 1.0)[:, None])[mesh.faces]
-    # The picture's y points down: what turns counter-clockwise in the world has a negative area.
+    image = camera.image(positions, size)
+    ahead = image[:, 2] > 0.0
+    corners = (image[:, :2] / np.where(ahead, image[:, 2], 1.0)[:, None])[mesh.faces]
+    # The image's y points down: what turns counter-clockwise in the world has a negative area.
     areas = -np.linalg.det(corners[:, 1:] - corners[:, :1]) / 2.0
     if isinstance(mesh.material, Glass):
         # Both sides are looked at, but where some corners show the one and some the other, rays do not change smoothly.
@@ -176,7 +176,7 @@ def _shown(mesh: Mesh, camera: Camera, size: tuple[int, int]) -> tuple[np.ndarra
 
 
 def _turning(directions: np.ndarray, places: np.ndarray) -> np.ndarray:
-    """How directions (F, 3, 3) at places (F, 3, 2) of the picture change from pixel to pixel: (F, 3, 2)."""
+    """How directions (F, 3, 3) at places (F, 3, 2) of the image change from pixel to pixel: (F, 3, 2)."""
     change = np.linalg.solve(places[:, 1:] - places[:, :1], directions[:, 1:] - directions[:, :1])
     return np.swapaxes(change, 1, 2)
 

@@ -44,7 +44,7 @@ class Hits:
 
     @classmethod
     def empty(cls, count: int) -> Hits:
-        """Room for `count` rays, not filled."""
+        """Space for `count` rays, not filled."""
         return cls(np.empty(count), np.empty(count, np.int32), np.empty((count, 2)))
 
 

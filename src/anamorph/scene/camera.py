@@ -11,7 +11,7 @@ from anamorph.base.vectors import Vector
 
 @dataclass(frozen=True, eq=False)
 class Eye:
-    """Where lines of sight come from, and the picture that they make: a camera's, or a map's.
+    """Where lines of sight come from, and the image that they make: a camera's, or a map's.
 
     Parameters
     ----------
@@ -19,9 +19,9 @@ class Eye:
         Homogeneous (x, y, z, w). With w > 0 lines of sight leave the point; with w < 0 they run towards it; with w = 0
         they all run along -(x, y, z).
     matrix : (3, 4) float64
-        From homogeneous world points to homogeneous picture points (x w, y w, w), in pixels from the top left corner.
+        From homogeneous world points to homogeneous image points (x w, y w, w), in pixels from the top left corner.
     size : (width, height)
-        Of the picture, in pixels.
+        Of the image, in pixels.
     """
 
     point: np.ndarray
@@ -32,8 +32,8 @@ class Eye:
         """Along the lines of sight to `points`, (N, 3): as long as the distance from the eye, times |w|."""
         return self.point[3] * np.asarray(points, float) - self.point[:3]
 
-    def picture(self, points: np.ndarray) -> np.ndarray:
-        """Homogeneous picture points of world `points`, (N, 3) each."""
+    def image(self, points: np.ndarray) -> np.ndarray:
+        """Homogeneous image points of world `points`, (N, 3) each."""
         return np.asarray(points, float) @ self.matrix[:, :3].T + self.matrix[:, 3]
 
 
@@ -46,9 +46,9 @@ class Camera:
     position, target : three floats
         World points, metres.
     up : three floats
-        The direction that points up in the picture; need not be perpendicular to the view.
+        The direction that points up in the image; need not be perpendicular to the view.
     field_of_view : float
-        Full vertical angle of the picture, degrees.
+        Full vertical angle of the image, degrees.
     """
 
     position: Vector
@@ -65,12 +65,12 @@ class Camera:
         return np.stack([right, np.cross(right, forward), forward])
 
     def directions(self, pixels: np.ndarray, size: tuple[int, int]) -> np.ndarray:
-        """Unit ray directions through picture points.
+        """Unit ray directions through image points.
 
         Parameters
         ----------
         pixels : (..., 2) array
-            Picture points, in pixels from the top left corner: the first pixel's centre is (0.5, 0.5).
+            Image points, in pixels from the top left corner: the first pixel's centre is (0.5, 0.5).
         size : (width, height)
 
         Returns
@@ -96,13 +96,13 @@ class Camera:
         return directions
 
     def _slopes(self, x: np.ndarray, y: np.ndarray, size: tuple[int, int]) -> tuple[np.ndarray, np.ndarray]:
-        """How far right and up of the forward axis picture points are, one unit ahead."""
+        """How far right and up of the forward axis image points are, one unit ahead."""
         width, height = size
         scale = 2.0 * np.tan(np.radians(self.field_of_view) / 2.0) / height
         return (x - width / 2.0) * scale, (height / 2.0 - y) * scale
 
     def eye(self, size: tuple[int, int]) -> Eye:
-        """This camera as an eye that sees a picture of `size` (width, height); w is the depth in metres."""
+        """This camera as an eye that sees an image of `size` (width, height); w is the depth in metres."""
         width, height = size
         across, up, depth = self.axes()
         focal = height / (2.0 * np.tan(np.radians(self.field_of_view) / 2.0))
@@ -110,12 +110,12 @@ class Camera:
         position = np.asarray(self.position, float)
         return Eye(np.append(position, 1.0), np.column_stack([rows, -rows @ position]), size)
 
-    def picture(self, points: np.ndarray, size: tuple[int, int]) -> np.ndarray:
-        """Where points (N, 3) appear in a picture of `size` (width, height).
+    def image(self, points: np.ndarray, size: tuple[int, int]) -> np.ndarray:
+        """Where points (N, 3) appear in an image of `size` (width, height).
 
         Returns
         -------
         (N, 3) float64
             Homogeneous: (x w, y w, w), with x, y in pixels from the top left corner and w the depth in metres.
         """
-        return self.eye(size).picture(points)
+        return self.eye(size).image(points)

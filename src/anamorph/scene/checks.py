@@ -1,4 +1,4 @@
-"""Is a scene fit to be drawn? Each check names the part and the remedy, so that no picture is black or NaN."""
+"""Is a scene fit to be drawn? Each check names the part and the remedy, so that no image is black or NaN."""
 
 from __future__ import annotations
 

@@ -25,14 +25,14 @@ from anamorph.viewer.facts import Facts, Request
 from anamorph.viewer.failures import failure_text
 from anamorph.viewer.inspector import Inspector
 from anamorph.viewer.job import Job
-from anamorph.viewer.layout import in_pixels, inside, picture_area
+from anamorph.viewer.layout import image_area, in_pixels, inside
 from anamorph.viewer.marks import NO_MARKS
 from anamorph.viewer.panel.panel import Drawn, draw_panel
 from anamorph.viewer.pointer import Pointer
 from anamorph.viewer.shortcuts import press
 from anamorph.viewer.showing import Showing
 from anamorph.viewer.snapshot import snapshot
-from anamorph.viewer.space import Space, space_marks
+from anamorph.viewer.space import PreparedScene, space_marks
 from anamorph.viewer.starting import Start, carried_over
 from anamorph.viewer.state import State, looking_eye, shown_camera
 from anamorph.viewer.tasks import Shot, saving_of
@@ -44,16 +44,16 @@ MOST_SETTLING = 60
 """However many events have come at once."""
 
 REST_DELAY = 0.15
-"""Seconds without a change after which the picture is refined."""
+"""Seconds without a change after which the image is refined."""
 
 TIP_DELAY = 0.4
 """Seconds until what the pointer rests on in the panel is explained: a little more than imgui waits."""
 
 LONGEST_REFINING = 0.25
-"""Seconds of refining for one picture, however long the last one took to be shown."""
+"""Seconds of refining for one image, however long the last one took to be shown."""
 
 UNSEEN = 0.25
-"""Seconds without a picture after which what is being saved goes on without: nobody looks."""
+"""Seconds without an image after which what is being saved goes on without: nobody looks."""
 
 Later = Callable[[float, Callable[[], None]], object]
 """Has something called after so many seconds."""
@@ -145,7 +145,7 @@ class Viewer:
     def _let_go(self) -> None:
         """Of everything that belongs to a scene, or to a device that may be lost."""
         self._stop_saving()
-        self._showing, self._space = Showing(), Space(self._scene)
+        self._showing, self._space = Showing(), PreparedScene(self._scene)
         self._marked: object = None
         self._inspector = Inspector()
         self._changed_at, self._refined_at = 0.0, np.inf
@@ -185,11 +185,11 @@ class Viewer:
 
     @property
     def _area(self) -> tuple[float, float, float, float]:
-        return picture_area(self._canvas.get_logical_size(), self.state.panel)
+        return image_area(self._canvas.get_logical_size(), self.state.panel)
 
     @property
     def _pixels(self) -> tuple[int, int, int, int]:
-        """Left, top, width and height of the picture on the canvas."""
+        """Left, top, width and height of the image on the canvas."""
         return in_pixels(self._area, self._canvas.get_pixel_ratio())
 
     def _draw(self) -> None:
@@ -248,7 +248,7 @@ class Viewer:
         waited = now - self._changed_at
         if self._later is not None and waited < REST_DELAY:
             return
-        # Whoever takes long to show a picture is sent fewer: what is refined for one takes as long again.
+        # Whoever takes long to show an image is sent fewer: what is refined for one takes as long again.
         taken = min(now - self._refined_at, LONGEST_REFINING)
         while self._showing.rest():
             self._canvas.request_draw()
@@ -305,7 +305,7 @@ class Viewer:
             self._values = self.state.values
             try:
                 self._scene = edited(self.start.opened.scene, self.state.values)
-                self._space = Space(self._scene)
+                self._space = PreparedScene(self._scene)
                 self.message = ""
             except AnamorphError as error:
                 self.message = str(error)
@@ -324,7 +324,7 @@ class Viewer:
             elif self._scene.meshes:
                 size = self._pixels[2:]
                 self.message = ""
-                shot = Shot(self.start.opened, self._scene, self.state, size, self._showing, self._picture)
+                shot = Shot(self.start.opened, self._scene, self.state, size, self._showing, self._image)
                 self._job = Job(saving_of(request, shot, Path()))
                 self._save_unseen(self._job, frames=-1)
             self.refresh()
@@ -350,10 +350,10 @@ class Viewer:
             self._job.stop()
         self._job = None
 
-    def _picture(self) -> np.ndarray:
-        """The picture as it is shown, without the panel, (H, W, 3) uint8 sRGB."""
+    def _image(self) -> np.ndarray:
+        """The image as it is shown, without the panel, (H, W, 3) uint8 sRGB."""
         size = self._pixels[2:]
-        return self._device_canvas.picture(size, *self._shown(size))
+        return self._device_canvas.image(size, *self._shown(size))
 
     def _facts(self) -> Facts:
         showing, width_height = self._showing, self._pixels[2:]
@@ -363,7 +363,7 @@ class Viewer:
             scene=self.start.opened.scene,
             home=self.start.state.camera,
             size=(round(width), round(height)),
-            picture=showing.picture,
+            image=showing.image,
             full=(max(width_height[0], 0), max(width_height[1], 0)),
             adapter=adapter_name(),
             frame_ms=showing.frame_ms,

@@ -27,7 +27,7 @@ MOST_EVENTS = 10_000
 """That imgui keeps: of a text that is pasted, each letter is one."""
 
 DOUBLE_CLICK = 0.45
-"""Seconds between two taps that are one double tap: slow pictures tell imgui late of either."""
+"""Seconds between two taps that are one double tap: slow images tell imgui late of either."""
 
 
 class Painter:
@@ -47,7 +47,7 @@ class Painter:
         ratio: float,
         over: Callable[[wgpu.GPURenderPassEncoder], None] | None = None,
     ) -> None:
-        """Draw the picture into an area of `target`, all else black.
+        """Draw the image into an area of `target`, all else black.
 
         Parameters
         ----------
@@ -56,7 +56,7 @@ class Painter:
         halves, divider
             As for `Composer.draw`.
         clip : (4, 4) float64
-            From world space to the clip space of the picture.
+            From world space to the clip space of the image.
         ratio : float
             Pixels for each logical one.
         over : callable, optional
@@ -140,7 +140,7 @@ class DeviceCanvas:
     def panel(self, show: Callable[[], None]) -> None:
         """Have `show` call imgui for a frame, which the next `draw` draws.
 
-        The renderer's own `render` does both at once. Apart, what a user does on the panel is in the picture that is
+        The renderer's own `render` does both at once. Apart, what a user does on the panel is in the image that is
         drawn after it, and not in the next.
         """
         imgui.set_current_context(self.imgui.imgui_context)
@@ -162,14 +162,14 @@ class DeviceCanvas:
         self._painter.lines.upload(marks)
 
     def draw(self, area: Area, halves: tuple[Shown, ...], divider: float, clip: np.ndarray, ratio: float) -> None:
-        """Draw the picture, see `Painter.draw`, and the panel over it."""
+        """Draw the image, see `Painter.draw`, and the panel over it."""
         panel = partial(self.imgui.backend.render, imgui.get_draw_data())
         self._painter.draw(self._context.get_current_texture(), area, halves, divider, clip, ratio, panel)
 
-    def picture(
+    def image(
         self, size: tuple[int, int], halves: tuple[Shown, ...], divider: float, clip: np.ndarray, ratio: float
     ) -> np.ndarray:
-        """The picture alone, as it is shown: (H, W, 3) uint8 sRGB."""
+        """The image alone, as it is shown: (H, W, 3) uint8 sRGB."""
         painter, target = Painter(PIXEL_FORMAT), make_texture(size, PIXEL_FORMAT)
         if self._marks is not None:
             painter.lines.upload(self._marks)

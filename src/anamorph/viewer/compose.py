@@ -18,9 +18,9 @@ from anamorph.gpu.targets import COLOR_FORMAT, PIXEL_FORMAT, make_texture
 
 @dataclass(frozen=True, eq=False)
 class Shown:
-    """What one half of the canvas shows: its picture, or in its place a false-colour image, or nothing."""
+    """What one half of the canvas shows: its image, or in its place a false-colour image, or nothing."""
 
-    picture: wgpu.GPUTexture | None = None
+    image: wgpu.GPUTexture | None = None
     false_color: wgpu.GPUTexture | None = None
 
 
@@ -64,7 +64,7 @@ class Composer:
     """Draws the halves side by side, onto canvases of one `form`: a texture format without sRGB."""
 
     def __init__(self, form: str) -> None:
-        fragments = ("sharp_picture", "blended_picture", "false_color")
+        fragments = ("sharp_image", "blended_image", "false_color")
         self._pipelines = {name: _pipeline(name, {"format": form}) for name in fragments}
 
     def draw(
@@ -90,11 +90,11 @@ class Composer:
         render_pass.set_viewport(left, top, width, height, 0.0, 1.0)
         middle = round(width * divider) if len(halves) > 1 else width
         for half, (start, stop) in zip(halves, ((0, middle), (middle, width)), strict=False):
-            shown = half.false_color or half.picture
+            shown = half.false_color or half.image
             if shown is None or stop <= start:
                 continue
             sharp = shown.size[:2] == (width, height)
-            name = "false_color" if half.false_color else "sharp_picture" if sharp else "blended_picture"
+            name = "false_color" if half.false_color else "sharp_image" if sharp else "blended_image"
             render_pass.set_scissor_rect(left + start, top, stop - start, height)
             render_pass.set_pipeline(self._pipelines[name])
             render_pass.set_bind_group(0, _bound(shown))
@@ -103,22 +103,22 @@ class Composer:
 
 
 class Average:
-    """The mean of pictures of one `size` (width, height), on the device."""
+    """The mean of images of one `size` (width, height), on the device."""
 
     def __init__(self, size: tuple[int, int]) -> None:
         self.texture = make_texture(size, COLOR_FORMAT)
         self.count = 0
 
     def restart(self) -> None:
-        """Forget all pictures."""
+        """Forget all images."""
         self.count = 0
 
-    def add(self, picture: wgpu.GPUTexture) -> None:
+    def add(self, image: wgpu.GPUTexture) -> None:
         """Take one more."""
         self.count += 1
         with color_pass(self.texture, "clear" if self.count == 1 else "load") as render_pass:
             render_pass.set_pipeline(_averaging())
-            render_pass.set_bind_group(0, _bound(picture))
+            render_pass.set_bind_group(0, _bound(image))
             render_pass.set_blend_constant((1.0 / self.count,) * 4)
             render_pass.draw(3)
 

@@ -1,4 +1,4 @@
-// A half of the picture's area: an image in linear colour, or a false-colour image as it is.
+// A half of the image's area: an image in linear colour, or a false-colour image as it is.
 
 @group(0) @binding(0) var source: texture_2d<f32>;
 @group(0) @binding(1) var smooth_sampler: sampler;
@@ -24,15 +24,15 @@ fn nearest(place: vec2f) -> vec4f {
     return textureLoad(source, vec2u(min(place * size, size - 1.0)), 0);
 }
 
-// A picture with one pixel for each that it covers.
+// An image with one pixel for each that it covers.
 @fragment
-fn sharp_picture(corner: Corner) -> @location(0) vec4f {
+fn sharp_image(corner: Corner) -> @location(0) vec4f {
     return encode_srgb(nearest(corner.place).rgb);
 }
 
-// A picture of another size.
+// An image of another size.
 @fragment
-fn blended_picture(corner: Corner) -> @location(0) vec4f {
+fn blended_image(corner: Corner) -> @location(0) vec4f {
     return encode_srgb(textureSampleLevel(source, smooth_sampler, corner.place, 0.0).rgb);
 }
 
@@ -42,7 +42,7 @@ fn false_color(corner: Corner) -> @location(0) vec4f {
     return nearest(corner.place);
 }
 
-// A picture as it is, for an average: the blend weights it.
+// An image as it is, for an average: the blend weights it.
 @fragment
 fn copied(corner: Corner) -> @location(0) vec4f {
     return textureLoad(source, vec2u(corner.position.xy), 0);

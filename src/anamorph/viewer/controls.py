@@ -182,7 +182,7 @@ def eye_controls(camera: Camera, scene: Scene) -> tuple[Control, ...]:
     ]  # fmt: skip
     field = Control(
         f"{EYE}/field_of_view", "field of view", EYE, "°", min(1.0, camera.field_of_view),
-        max(150.0, camera.field_of_view), opened.field_of_view, 0.5, "the full vertical angle of the picture",
+        max(150.0, camera.field_of_view), opened.field_of_view, 0.5, "the full vertical angle of the image",
     )  # fmt: skip
     return (*controls, field)
 

@@ -19,7 +19,7 @@ Rectangle = tuple[float, float, float, float]
 class Request(StrEnum):
     """What a user can ask for that is no state."""
 
-    SAVE_PICTURE = "save-picture"
+    SAVE_IMAGE = "save-image"
     SAVE_SCENE = "save-scene"
     SAVE_COMPARISON = "save-comparison"
     SAVE_TURNTABLE = "save-turntable"
@@ -45,7 +45,7 @@ class Inspection:
     Parameters
     ----------
     pixel : (x, y)
-        Whole pixels of the picture from its top left.
+        Whole pixels of the image from its top left.
     method : Specification
     seen : str
         The object's name, or "sky", or "nothing".
@@ -57,12 +57,12 @@ class Inspection:
         How the pixel got its value.
     path : tuple of Stop
         The true path, from the eye over each specular surface to its end; a path into the sky ends some way along.
-    truth : str
+    reference : str
         The name of what is there in truth.
     angular_mrad, pixels : float or None
         The error there; None where it is not measured: the pixel looks at no specular surface.
     silhouette : bool
-        Whether the pixel is within one pixel of a silhouette in the truth, where errors count apart.
+        Whether the pixel is within one pixel of a silhouette in the reference, where errors count apart.
     """
 
     pixel: tuple[int, int]
@@ -72,7 +72,7 @@ class Inspection:
     distance: float | None
     status: str
     path: tuple[Stop, ...]
-    truth: str
+    reference: str
     angular_mrad: float | None
     pixels: float | None
     silhouette: bool
@@ -107,17 +107,17 @@ class Facts:
         As it was opened, before any control.
     size : (width, height)
         Of the canvas, logical pixels.
-    picture : (width, height)
+    image : (width, height)
         Of what was drawn last, pixels.
     full : (width, height)
-        Of a picture at full resolution, pixels.
+        Of an image at full resolution, pixels.
     adapter : str
     frame_ms : float
-        What the last picture of several that moved took to draw; 0 before there are two.
+        What the last image of several that moved took to draw; 0 before there are two.
     phases_ms : mapping of str to float
         What the last frame's time went to.
     samples_done, samples_total : int
-        Of the picture at rest: how many pictures it averages so far, and will.
+        Of the image at rest: how many images it averages so far, and will.
     figures : tuple of Figures or None
         Of the halves, once measured.
     inspection : Inspection or None
@@ -130,7 +130,7 @@ class Facts:
 
     scene: Scene
     size: tuple[int, int]
-    picture: tuple[int, int]
+    image: tuple[int, int]
     full: tuple[int, int]
     adapter: str
     frame_ms: float = 0.0

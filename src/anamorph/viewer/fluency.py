@@ -1,35 +1,35 @@
-"""How coarse the picture is while things move: coarser before it stutters, finer as soon as there is time."""
+"""How coarse the image is while things move: coarser before it stutters, finer as soon as there is time."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
 RESOLUTIONS = (1.0, 0.75, 0.5, 0.35, 0.25)
-"""Pixels of the picture for each of the canvas, along one axis."""
+"""Pixels of the image for each of the canvas, along one axis."""
 
 SLOWEST = 50.0
-"""Milliseconds that the methods may take for a frame: with what comes to it, fifteen pictures a second stay fluid."""
+"""Milliseconds that the methods may take for a frame: with what comes to it, fifteen images a second stay fluid."""
 
-MOST_PICTURES = 60
+MOST_IMAGES = 60
 """A second, that a canvas is asked for at most."""
 
 MARGIN = 0.75
-"""The share of `SLOWEST` that a finer picture must be expected to take before it is tried."""
+"""The share of `SLOWEST` that a finer image must be expected to take before it is tried."""
 
 PATIENCE = 2
-"""Slow frames one after the other that make the picture coarser: a single one has compiled something."""
+"""Slow frames one after the other that make the image coarser: a single one has compiled something."""
 
 
 @dataclass(frozen=True)
 class Fluency:
-    """The resolution of pictures that move, by its number in `RESOLUTIONS`, and how many frames in turn were slow."""
+    """The resolution of images that move, by its number in `RESOLUTIONS`, and how many frames in turn were slow."""
 
     number: int = 0
     slow: int = 0
 
     @property
     def resolution(self) -> float:
-        """Pixels of the picture for each of the canvas, along one axis."""
+        """Pixels of the image for each of the canvas, along one axis."""
         return RESOLUTIONS[self.number]
 
     def after(self, milliseconds: float) -> Fluency:
@@ -56,6 +56,6 @@ COARSEST = Fluency(len(RESOLUTIONS) - 1)
 
 
 def scaled(size: tuple[int, int], resolution: float) -> tuple[int, int]:
-    """The size (width, height) of a picture at a resolution, in whole pixels."""
+    """The size (width, height) of an image at a resolution, in whole pixels."""
     width, height = size
     return max(round(width * resolution), 1), max(round(height * resolution), 1)

@@ -43,13 +43,13 @@ CLICK_REACH = 4.0
 DIVIDER_LIMITS = (0.02, 0.98)
 
 ORBIT_TURN = np.pi
-"""How far a drag over the picture's height orbits, radians."""
+"""How far a drag over the image's height orbits, radians."""
 
 WHEEL_STEP = 100.0
 """What a backend tells of one notch of a wheel."""
 
 WHEEL_FACTOR = 1.1
-"""How much larger one notch makes the picture."""
+"""How much larger one notch makes the image."""
 
 TOUCHPAD_GAIN = 10.0
 """Browsers tell of pinching on a touchpad as of a wheel with the control key, in steps this much smaller."""
@@ -229,7 +229,7 @@ def _double_click(event: Event, state: State, size: Size, home: Start) -> State:
 
 def _picked(state: State, point: Point, size: Size) -> State:
     width, height = _sides(size)
-    # From outside, the eye's point is none of the picture that is clicked into.
+    # From outside, the eye's point is none of the image that is clicked into.
     here = state.picked if state.picked_outside is (state.observer is not None) else None
     if here is not None and _apart(point, (here[0] * width, here[1] * height)) <= CLICK_REACH:
         return with_picked(state, None)
@@ -273,7 +273,7 @@ def _on_divider(point: Point, state: State, size: Size) -> bool:
 
 
 def _from_middle(point: Sequence[float] | np.ndarray, size: Size) -> Point:
-    """Right and up from the picture's middle, as shares of its height."""
+    """Right and up from the image's middle, as shares of its height."""
     width, height = _sides(size)
     return float(point[0] - width / 2.0) / height, float(height / 2.0 - point[1]) / height
 

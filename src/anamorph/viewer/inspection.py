@@ -16,41 +16,41 @@ from anamorph.scene.camera import Camera
 from anamorph.scene.model import Scene
 from anamorph.viewer.facts import Inspection, Stop, Vector
 from anamorph.viewer.measured import Measured
-from anamorph.viewer.space import Space
+from anamorph.viewer.space import PreparedScene
 
 EYE, SKY, NOTHING = "eye", "sky", "nothing"
 """Names of what is no mesh."""
 
 
 def inspect(
-    space: Space, camera: Camera, pixel: tuple[int, int], method: Specification, measured: Measured
+    space: PreparedScene, camera: Camera, pixel: tuple[int, int], method: Specification, measured: Measured
 ) -> Inspection:
-    """Look into one pixel of a picture.
+    """Look into one pixel of an image.
 
     Parameters
     ----------
     space : Space
         Of the scene as it is drawn.
     camera : Camera
-        That the picture is taken from.
+        That the image is taken from.
     pixel : (x, y)
         Whole pixels from the top left.
     method : Specification
         What drew the frame, for the record.
     measured : Measured
-        The frame held against the truth.
+        The frame held against the reference.
 
     Raises
     ------
     AnamorphError
-        The pixel lies outside the picture.
+        The pixel lies outside the image.
     """
     (column, row), maps = pixel, measured.maps
     height, width = maps.specular.shape
     if not (0 <= column < width and 0 <= row < height):
-        raise AnamorphError(f"pixel {pixel}: lies outside the picture of {width} x {height}; choose one inside")
+        raise AnamorphError(f"pixel {pixel}: lies outside the image of {width} x {height}; choose one inside")
     position, number, looks_at, status = _seen(measured.frame, column, row)
-    true_position, true_number, _, _ = _seen(measured.truth, column, row)
+    true_position, true_number, _, _ = _seen(measured.reference, column, row)
     path = trace_path(space, camera, (width, height), pixel)
     point = tuple_of(position) if number else None
     counts = bool(maps.specular[row, column])
@@ -62,14 +62,14 @@ def inspect(
         distance=None if point is None else _length(path, point, bool(looks_at)),
         status=STATUS_NAMES[status],
         path=path,
-        truth=_name(space.scene, true_number, true_position),
+        reference=_name(space.scene, true_number, true_position),
         angular_mrad=float(maps.angular[row, column]) if counts else None,
         pixels=float(maps.pixels[row, column]) if counts else None,
         silhouette=bool(maps.silhouette[row, column]),
     )
 
 
-def trace_path(space: Space, camera: Camera, size: tuple[int, int], pixel: tuple[int, int]) -> tuple[Stop, ...]:
+def trace_path(space: PreparedScene, camera: Camera, size: tuple[int, int], pixel: tuple[int, int]) -> tuple[Stop, ...]:
     """The way from the eye through the middle of a pixel, bent at the exact surfaces, to where it ends.
 
     A path into the sky ends as far away as the scene is large.

@@ -1,4 +1,4 @@
-"""What is seen at the picked pixel, kept up to date as the picture changes."""
+"""What is seen at the picked pixel, kept up to date as the image changes."""
 
 from __future__ import annotations
 
@@ -12,8 +12,8 @@ from anamorph.viewer.facts import Inspection
 from anamorph.viewer.inspection import inspect, trace_path
 from anamorph.viewer.measured import Measured, measure_half
 from anamorph.viewer.showing import Showing
-from anamorph.viewer.space import Space
-from anamorph.viewer.state import TRUTH, State, looking_eye, shown_camera
+from anamorph.viewer.space import PreparedScene
+from anamorph.viewer.state import REFERENCE, State, looking_eye, shown_camera
 
 Size = tuple[int, int]
 
@@ -36,9 +36,9 @@ class Inspector:
         self._measured: Measured | None = None
         self._by_eye = False
         self._size: Size = (0, 0)
-        self._traced: tuple[Space, Camera] | None = None
+        self._traced: tuple[PreparedScene, Camera] | None = None
 
-    def update(self, space: Space, state: State, size: Size, showing: Showing) -> Inspection | None:
+    def update(self, space: PreparedScene, state: State, size: Size, showing: Showing) -> Inspection | None:
         """Look again where something has changed, and give what is known.
 
         Parameters
@@ -47,7 +47,7 @@ class Inspector:
             Of the scene as it is shown.
         state : State
         size : (width, height)
-            Of the picture, pixels.
+            Of the image, pixels.
         showing : Showing
         """
         if state.picked is None:
@@ -63,23 +63,23 @@ class Inspector:
                 self._found(space, state, shown_camera(state), size, measured)
         return self.inspection
 
-    def _follow(self, space: Space, eye: Camera) -> None:
+    def _follow(self, space: PreparedScene, eye: Camera) -> None:
         """Trace the eye's path anew where it, or the scene, is another: of errors there is no word until it looks."""
         if self._traced != (space, eye) and self.inspection is not None:
             path = trace_path(space, eye, self._size, self.inspection.pixel)
-            found = replace(self.inspection, path=path, truth=path[-1].name, angular_mrad=None, pixels=None)
+            found = replace(self.inspection, path=path, reference=path[-1].name, angular_mrad=None, pixels=None)
             self.inspection, self._traced = found, (space, eye)
 
-    def _look_by_eye(self, space: Space, state: State, size: Size) -> None:
-        """Look from outside into a pixel of the eye's, for which its picture is drawn once: a saved view opens so."""
+    def _look_by_eye(self, space: PreparedScene, state: State, size: Size) -> None:
+        """Look from outside into a pixel of the eye's, for which its image is drawn once: a saved view opens so."""
         # What fails is told of once, and not tried again at every frame.
         self.inspection, self._picked, self._by_eye = None, state.picked, True
         method, eye = _method(state), looking_eye(state)
         view = View(space.scene, eye, size)
-        frames = {each: draw_frame(view, each, seen=True) for each in (TRUTH, method)}
-        self._found(space, state, eye, size, measure_half(frames[TRUTH], frames[method]))
+        frames = {each: draw_frame(view, each, seen=True) for each in (REFERENCE, method)}
+        self._found(space, state, eye, size, measure_half(frames[REFERENCE], frames[method]))
 
-    def _found(self, space: Space, state: State, camera: Camera, size: Size, seen: Measured) -> None:
+    def _found(self, space: PreparedScene, state: State, camera: Camera, size: Size, seen: Measured) -> None:
         assert state.picked is not None
         x, y = state.picked
         pixel = min(int(x * size[0]), size[0] - 1), min(int(y * size[1]), size[1] - 1)

@@ -1,4 +1,4 @@
-"""What is being saved: work in steps, done beside the pictures, a part of a frame after the other."""
+"""What is being saved: work in steps, done beside the images, a part of a frame after the other."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ class Job:
         self.progress: Progress | None = None
 
     def advance(self) -> str | None:
-        """Take steps for a part of a frame; at the end of the work, or where it fails, returns what to tell of it."""
+        """Take steps for a part of a frame; at the end of the work, or where it fails, returns what to say of it."""
         began = perf_counter()
         try:
             while perf_counter() - began < SHARE:

@@ -1,4 +1,4 @@
-"""Where the picture stands on the canvas: beside the panel and above the status line, so that neither hides it."""
+"""Where the image stands on the canvas: beside the panel and above the status line, so that neither hides it."""
 
 from __future__ import annotations
 
@@ -9,8 +9,8 @@ STATUS_HEIGHT = 24.0
 """Logical pixels, like all here."""
 
 
-def picture_area(size: tuple[float, float], panel: bool) -> Rectangle:
-    """The picture's rectangle on a canvas of `size` (width, height), whether or not the panel is open."""
+def image_area(size: tuple[float, float], panel: bool) -> Rectangle:
+    """The image's rectangle on a canvas of `size` (width, height), whether or not the panel is open."""
     width, height = size
     left = min(PANEL_WIDTH, width) if panel else 0.0
     return (left, 0.0, width, max(height - STATUS_HEIGHT, 0.0))

@@ -1,4 +1,4 @@
-"""Draws marks over a picture: thick lines and dots with clean edges, and a dark rim that sets them off from it."""
+"""Draws marks over an image: thick lines and dots with clean edges, and a dark rim that sets them off from it."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import numpy as np
 import wgpu
 
 from anamorph.gpu.bindings import STORAGE, UNIFORM, bind, layout_of
-from anamorph.gpu.buffers import roomy_buffer
+from anamorph.gpu.buffers import grown_buffer
 from anamorph.gpu.device import get_device
 from anamorph.gpu.shaders import shader_module
 from anamorph.viewer.marks import Marks, joined_strokes
@@ -63,7 +63,7 @@ class LineRenderer:
         strokes = np.zeros((self._count, STROKE_FLOATS), np.float32)
         strokes[:, 0:3], strokes[:, 4:7] = drawn.ends[:, 0], drawn.ends[:, 1]
         strokes[:, 3], strokes[:, 8:12] = 0.5 * drawn.widths, drawn.colors
-        buffer = roomy_buffer(self._strokes, strokes.nbytes)
+        buffer = grown_buffer(self._strokes, strokes.nbytes)
         if buffer is not self._strokes:
             self._strokes, self._group = buffer, bind(self._layout, [self._canvas, buffer])
         get_device().queue.write_buffer(buffer, 0, strokes)

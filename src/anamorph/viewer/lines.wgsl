@@ -1,4 +1,4 @@
-// Lines and dots over a picture: each is a capsule in pixels, drawn as the smallest rectangle around it.
+// Lines and dots over an image: each is a capsule in pixels, drawn as the smallest rectangle around it.
 
 struct Stroke {
     // World point, and half the width in logical pixels.
@@ -68,7 +68,7 @@ fn stroke_vertex(@builtin(vertex_index) corner: u32, @builtin(instance_index) nu
     let reach = radius + HALO * canvas.ratio + 0.5;
     let a = canvas.clip * vec4f(stroke.first.xyz, 1.0);
     let b = canvas.clip * vec4f(stroke.second.xyz, 1.0);
-    // Clipped before it is divided by w, to a little more than the picture: an end near the plane of the eye would lie
+    // Clipped before it is divided by w, to a little more than the image: an end near the plane of the eye would lie
     // farther away than pixels can be told apart.
     let margin = 1.0 + 2.0 * (reach + 1.0) / canvas.size;
     var part = inside(vec2f(0.0, 1.0), depth(stroke.first.xyz, a), depth(stroke.second.xyz, b));

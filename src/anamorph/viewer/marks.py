@@ -1,4 +1,4 @@
-"""What is drawn over a picture, as arrays: line segments and dots in the world."""
+"""What is drawn over an image, as arrays: line segments and dots in the world."""
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
-"""How wrong what one half shows is: its errors against the truth, and the false-colour images that show them.
+"""How wrong what one half shows is: its errors against the reference, and the false-colour images that show them.
 
-These are 8-bit sRGB. The truth, or the picture, stays behind them in a grey that none of their colours comes near.
+These are 8-bit sRGB. The reference, or the image, stays behind them in a grey that none of their colours comes near.
 """
 
 from __future__ import annotations
@@ -39,47 +39,48 @@ STATUS_COLORS: dict[Status, Color] = {
     Status.OUTSIDE: (0, 0, 0),
     Status.PROJECTED: (120, 25, 150),
 }
-"""Of statuses; the colour-blind, too, tell them apart. Direct pixels show the picture, in about this grey."""
+"""Of statuses; the colour-blind, too, tell them apart. Direct pixels show the image, in about this grey."""
 
 
 @dataclass(frozen=True, eq=False)
 class Measured:
-    """What one half shows, held against the truth.
+    """What one half shows, held against the reference.
 
     Parameters
     ----------
-    frame, truth : Frame
+    frame, reference : Frame
         With their seen buffers.
     maps : ErrorMaps
     figures : Figures
     """
 
     frame: Frame
-    truth: Frame
+    reference: Frame
     maps: ErrorMaps
     figures: Figures
 
 
-def measure_half(truth: Frame, frame: Frame) -> Measured:
-    """Hold `frame` against `truth`; both need their seen buffers, and `truth` its last rays."""
-    maps = error_maps(truth, frame)
+def measure_half(reference: Frame, frame: Frame) -> Measured:
+    """Hold `frame` against `reference`; both need their seen buffers, and `reference` its last rays."""
+    maps = error_maps(reference, frame)
     errors = geometry_statistics(maps)
     shares = status_shares(frame, maps.specular)
     figures = Figures(errors.angular_mrad, errors.pixels, errors.other_object_percent, shares)
-    return Measured(frame, truth, maps, figures)
+    return Measured(frame, reference, maps, figures)
 
 
 def error_colors(measured: Measured, unit: str) -> np.ndarray:
-    """The error of each pixel over the truth in faint grey, (H, W, 4) uint8, in "mrad" or "px": see `scale_ticks`."""
+    """The error of each pixel over the reference in faint grey, (H, W, 4) uint8, in "mrad" or "px": see
+    `scale_ticks`."""
     maps = measured.maps
-    colors = heat_colors(maps, measured.truth.color, _scale(unit))
+    colors = heat_colors(maps, measured.reference.color, _scale(unit))
     for marked, color in ((maps.silhouette, SILHOUETTE), (maps.other_object, OTHER_OBJECT)):
         np.copyto(packed(colors), opaque(np.array(color, np.uint8)), where=marked)
     return colors
 
 
 def status_colors(frame: Frame) -> np.ndarray:
-    """How each pixel got its value, (H, W, 4) uint8, in `STATUS_COLORS`; what is seen directly shows the picture."""
+    """How each pixel got its value, (H, W, 4) uint8, in `STATUS_COLORS`; what is seen directly shows the image."""
     if frame.status is None or frame.specular is None:
         raise AnamorphError("frame: has no 'status' buffer; draw it with seen=True")
     colors = faint(frame.color)

@@ -1,4 +1,4 @@
-"""One method's pictures of one scene: at the sizes that moving and resting need, and their mean at rest."""
+"""One method's images of one scene: at the sizes that moving and resting need, and their mean at rest."""
 
 from __future__ import annotations
 
@@ -21,17 +21,17 @@ before."""
 
 
 class MethodImages:
-    """Pictures of a scene by the method with its options, each drawn in the steps that the method has.
+    """Images of a scene by the method with its options, each drawn in the steps that the method has.
 
     One is drawn at a time; one that is left in the midst shows nothing, and the next is begun anew.
 
     Attributes
     ----------
     failure : str
-        Why the last picture that was asked for could not be drawn; empty where it was. What failed is not tried
+        Why the last image that was asked for could not be drawn; empty where it was. What failed is not tried
         again, nor finer, but from elsewhere.
     phases : mapping of str to float
-        What the time of the last picture that was waited for went to, milliseconds: only of these the device tells.
+        What the time of the last image that was waited for went to, milliseconds: only of these the device tells.
     """
 
     def __init__(self, scene: Scene, specification: Specification) -> None:
@@ -47,13 +47,13 @@ class MethodImages:
 
     @property
     def texture(self) -> wgpu.GPUTexture | None:
-        """What there is to show: the mean of the pictures at rest, or the last one that was drawn."""
+        """What there is to show: the mean of the images at rest, or the last one that was drawn."""
         if self._average is not None and self._average.count:
             return self._average.texture
         return None if self._last is None else self._last.texture
 
     def drawing(self, camera: Camera, size: Size) -> Generator[None, None, None]:
-        """Draw one picture, and show it in place of all before; where it fails, one of another size stays."""
+        """Draw one image, and show it in place of all before; where it fails, one of another size stays."""
         session = yield from self._drawing(camera, size, (0.0, 0.0))
         if self._average is not None:
             self._average.restart()
@@ -61,12 +61,12 @@ class MethodImages:
             self._last, self._shown_from = session, camera
 
     def refining(self, camera: Camera, size: Size, shift: tuple[float, float]) -> Generator[None, None, None]:
-        """Draw a picture shifted by a fraction of a pixel, for `refine`."""
+        """Draw an image shifted by a fraction of a pixel, for `refine`."""
         self._refined = None
         self._refined = yield from self._drawing(camera, size, shift)
 
     def refine(self) -> None:
-        """Show the mean of all pictures of `refining` since the last `drawing`."""
+        """Show the mean of all images of `refining` since the last `drawing`."""
         if self._refined is None:
             return
         self._last, size = self._refined, self._refined.texture.size[:2]
@@ -75,7 +75,7 @@ class MethodImages:
         self._average.add(self._last.texture)
 
     def seeing(self, camera: Camera, size: Size) -> Generator[None, None, Frame | None]:
-        """What each pixel sees, of an unshifted picture; the picture that is shown stays."""
+        """What each pixel sees, of an unshifted image; the image that is shown stays."""
         session = yield from self._drawing(camera, size, (0.0, 0.0))
         try:
             return None if session is None else session.frame(seen=True)
@@ -84,7 +84,7 @@ class MethodImages:
             return None
 
     def wait(self) -> None:
-        """Return when the device has drawn the last picture."""
+        """Return when the device has drawn the last image."""
         if self._last is not None:
             self._last.wait()
             self.phases = self._last.phases()
@@ -108,7 +108,7 @@ class MethodImages:
         self._failed = camera, size, self.failure
 
     def session(self, camera: Camera, size: Size) -> Session:
-        """The one that draws pictures of a size, opened where there is none."""
+        """The one that draws images of a size, opened where there is none."""
         session = self._sessions.pop(size, None)
         if session is None:
             while len(self._sessions) >= KEPT_SIZES:

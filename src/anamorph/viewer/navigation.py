@@ -1,4 +1,4 @@
-"""Moving a camera: around its target, along the picture, nearer, and turned in place.
+"""Moving a camera: around its target, along the image, nearer, and turned in place.
 
 Every function takes a camera and gives another; none has a state of its own. "Up" is the camera's own up vector
 throughout: it stays as it is, so that no sequence of movements tilts the horizon.
@@ -55,15 +55,15 @@ def look(camera: Camera, right: float, up: float) -> Camera:
 
 
 def pan(camera: Camera, right: float, up: float) -> Camera:
-    """The camera moved along its picture, so that what is seen at the target's distance moves in it.
+    """The camera moved along its image, so that what is seen at the target's distance moves in it.
 
     Parameters
     ----------
     camera : Camera
     right, up : float
-        How far that moves, as shares of the picture's height.
+        How far that moves, as shares of the image's height.
     """
-    target = camera.target - _in_picture(camera, right, up)
+    target = camera.target - _in_image(camera, right, up)
     return _placed(camera, target, np.subtract(camera.position, camera.target))
 
 
@@ -76,17 +76,17 @@ def zoom(camera: Camera, factor: float, toward: tuple[float, float] = (0.0, 0.0)
     factor : float
         Above 1 to come nearer, between 0 and 1 to go away.
     toward : (right, up)
-        The point at the target's distance that keeps its place in the picture: its offset from the picture's middle,
-        as shares of the picture's height.
+        The point at the target's distance that keeps its place in the image: its offset from the image's middle,
+        as shares of the image's height.
     """
     away = np.subtract(camera.position, camera.target)
     distance = np.linalg.norm(away)
     scale = np.clip(distance / factor, NEAREST, FARTHEST) / distance
-    return _placed(camera, camera.target + (1.0 - scale) * _in_picture(camera, *toward), scale * away)
+    return _placed(camera, camera.target + (1.0 - scale) * _in_image(camera, *toward), scale * away)
 
 
 def magnify(camera: Camera, factor: float) -> Camera:
-    """The camera with another field of view, so that its picture's middle is `factor` times as large."""
+    """The camera with another field of view, so that its image's middle is `factor` times as large."""
     half = np.arctan(np.tan(np.radians(camera.field_of_view) / 2.0) / factor)
     return replace(camera, field_of_view=float(np.clip(np.degrees(2.0 * half), NARROWEST, WIDEST)))
 
@@ -104,8 +104,8 @@ def _placed(camera: Camera, target: np.ndarray, away: np.ndarray) -> Camera:
     return replace(camera, position=tuple_of(target + away), target=tuple_of(target))
 
 
-def _in_picture(camera: Camera, right: float, up: float) -> np.ndarray:
-    """The world vector, metres, that spans these shares of the picture's height at the target's distance."""
+def _in_image(camera: Camera, right: float, up: float) -> np.ndarray:
+    """The world vector, metres, that spans these shares of the image's height at the target's distance."""
     distance = np.linalg.norm(np.subtract(camera.target, camera.position))
     height = 2.0 * distance * np.tan(np.radians(camera.field_of_view) / 2.0)
     across, above, _ = camera.axes()

@@ -35,7 +35,7 @@ FIELD_OF_VIEW = 45.0
 WIDEST, TOO_WIDE = 90.0, 120.0
 
 FILLED = 0.75
-"""The share of the observer's picture, as high as wide, that is filled at the start."""
+"""The share of the observer's image, as high as wide, that is filled at the start."""
 
 CLEARANCE = 0.9
 """How far toward a wall an observer goes."""
@@ -46,7 +46,7 @@ FLAT = 0.3
 
 @dataclass(frozen=True, eq=False)
 class _Subject:
-    """What the observer's picture is about: an eye, the middle of a mirror or lens, and the end of the line of sight.
+    """What the observer's image is about: an eye, the middle of a mirror or lens, and the end of the line of sight.
 
     With the `corners` (8, 3) of the box around the mirror or lens, and the unit vector to where it faces.
     """
@@ -63,7 +63,7 @@ class _Subject:
 
     @property
     def points(self) -> np.ndarray:
-        """All that is to be in the observer's picture, (10, 3)."""
+        """All that is to be in the observer's image, (10, 3)."""
         return np.stack([self.eye, self.end, *self.corners])
 
     @property

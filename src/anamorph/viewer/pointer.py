@@ -1,4 +1,4 @@
-"""The pointer over the picture, from one event to the next: what it holds, and which cursor shows that."""
+"""The pointer over the image, from one event to the next: what it holds, and which cursor shows that."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ class Pointer:
         return event["event_type"] == "pointer_move" and event.get("time_stamp", 0.0) < self._pressed_at
 
     def handle(self, event: dict[str, Any], state: State, area: Rectangle, home: Start) -> tuple[State, str | None]:
-        """The state that follows from an event over the picture in `area`, and the cursor where it is another one."""
+        """The state that follows from an event over the image in `area`, and the cursor where it is another one."""
         left, top, right, bottom = area
         size, within = (right - left, bottom - top), counted_from(event, left, top)
         self._grip, state = handle(within, self._grip, state, size, home)

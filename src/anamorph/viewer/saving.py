@@ -34,8 +34,8 @@ def free_name(directory: str | Path, stem: str, suffix: str) -> Path:
     return next(path for path in names if not path.exists() and not path.is_symlink())
 
 
-def save_picture(path: str | Path, pixels: np.ndarray) -> str:
-    """Save a picture as it is shown, (H, W, 3) uint8 sRGB, as PNG."""
+def save_image(path: str | Path, pixels: np.ndarray) -> str:
+    """Save an image as it is shown, (H, W, 3) uint8 sRGB, as PNG."""
     path = output.check_output(path, (".png",))
     with output.whole_file(path) as file:
         file.write(output.pixel_bytes(np.ascontiguousarray(pixels)))
@@ -53,7 +53,7 @@ def save_scene(path: str | Path, opened: Opened, state: State, size: tuple[int, 
         As the viewer began.
     state : State
     size : (width, height)
-        Of the picture, pixels.
+        Of the image, pixels.
 
     Raises
     ------
@@ -69,7 +69,7 @@ def save_scene(path: str | Path, opened: Opened, state: State, size: tuple[int, 
 def save_comparison(
     path: str | Path, scene: Scene, methods: Sequence[Specification], size: tuple[int, int], command: str = ""
 ) -> Saving:
-    """Save a page that compares methods with the truth, as the scene's own camera sees it."""
+    """Save a page that compares methods with the reference, as the scene's own camera sees it."""
     path = output.check_output(path, (".html",))
     # The page is about one eye, and is refused at once where that one sees nothing.
     steps = comparison_steps(check_scene(scene), methods, size, command=command)

@@ -21,7 +21,7 @@ TURN = float(np.radians(5.0))
 """How far an arrow key goes around the target, radians."""
 
 NEARER = 1.1
-"""How much larger a key makes the picture."""
+"""How much larger a key makes the image."""
 
 
 @dataclass(frozen=True)
@@ -158,7 +158,7 @@ SHORTCUTS: tuple[Shortcut, ...] = (
     Shortcut(("Tab",), "Viewer", "the panel", partial(_toggle, flag="panel")),
     Shortcut(("Escape",), "Viewer", "close the help; drop the picked point", _clear),
     Shortcut(("Ctrl+O",), "Viewer", "open another scene", _toggle_opening),
-    Shortcut(("P",), "Viewer", "save the picture", request=Request.SAVE_PICTURE),
+    Shortcut(("P",), "Viewer", "save the image", request=Request.SAVE_IMAGE),
     Shortcut(("Ctrl+S",), "Viewer", "save the view as a scene file", request=Request.SAVE_SCENE),
     Shortcut(("Shift+R",), "Viewer", "reset all", _reset),
     Shortcut(("R", "Home"), "View", "reset the view", reset_view),
@@ -171,7 +171,7 @@ SHORTCUTS: tuple[Shortcut, ...] = (
     Shortcut(("E",), "View", "left, middle or right eye", _next_eye),
     Shortcut(("O",), "View", "look from outside", _toggle_observer),
     Shortcut(("K",), "View", "remember the view", lambda state, home: remember(state)),
-    Shortcut(("S",), "Halves", "split the picture", partial(_toggle, flag="split")),
+    Shortcut(("S",), "Halves", "split the image", partial(_toggle, flag="split")),
     Shortcut(("X",), "Halves", "swap the halves", _swap),
     Shortcut(("M",), "Halves", "next method, first half", partial(_next_method, half="first")),
     Shortcut(("Shift+M",), "Halves", "next method, second half", partial(_next_method, half="second")),

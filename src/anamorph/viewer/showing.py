@@ -19,26 +19,26 @@ from anamorph.viewer.compose import FalseColorTexture, Shown
 from anamorph.viewer.fluency import COARSEST, RESOLUTIONS, Fluency, scaled
 from anamorph.viewer.measured import Measured, error_colors, measure_half, status_colors
 from anamorph.viewer.method_images import MethodImages, Size
-from anamorph.viewer.state import TRUTH, Aspect, Half, State, shown_camera
+from anamorph.viewer.state import REFERENCE, Aspect, Half, State, shown_camera
 
 LONG = 4e3
-"""Milliseconds that a picture at rest may be expected to take; on the way to a longer one, coarser ones are drawn, each
+"""Milliseconds that an image at rest may be expected to take; on the way to a longer one, coarser ones are drawn, each
 of which can be the last when something moves."""
 
 FRAME = 30.0
 """Milliseconds of drawing after which the canvas is painted, and the drawing goes on in its next frame."""
 
 STALE = 2e3
-"""Milliseconds for which a picture may have been drawn to be finished though something has moved again: without
-pictures that are a little late there would be none of what goes on moving."""
+"""Milliseconds for which an image may have been drawn to be finished though something has moved again: without
+images that are a little late there would be none of what goes on moving."""
 
 Steps = Generator[bool, None, None]
 """Drawing that can be left, and gone on with, whenever it yields: whether a whole step of it is done."""
 
 
 @dataclass(frozen=True)
-class _Pictured:
-    """What the pictures depend on: when it changes, something moves."""
+class _Imaged:
+    """What the images depend on: when it changes, something moves."""
 
     camera: Camera
     methods: tuple[Specification, ...]
@@ -49,7 +49,7 @@ class _Pictured:
 
 @dataclass(frozen=True)
 class _Detailed:
-    """What else the canvas depends on: when it changes, the pictures stay."""
+    """What else the canvas depends on: when it changes, the images stay."""
 
     halves: tuple[Half, ...]
     unit: str
@@ -66,11 +66,11 @@ class Showing:
     measured : mapping of Specification to Measured
         By method.
     at_rest : bool
-        Whether the pictures are at full size.
-    picture : (width, height)
-        Of the pictures that were drawn last.
+        Whether the images are at full size.
+    image : (width, height)
+        Of the images that were drawn last.
     frame_ms : float
-        What the last picture of several that moved took to draw; 0 before there are two.
+        What the last image of several that moved took to draw; 0 before there are two.
     samples_done : int
     finished : bool
         Whether nothing is left to refine.
@@ -78,15 +78,15 @@ class Showing:
 
     def __init__(self) -> None:
         self._scene: Scene | None = None
-        self._pictures: dict[Specification, MethodImages] = {}
-        self._pictured: _Pictured | None = None
+        self._images: dict[Specification, MethodImages] = {}
+        self._imaged: _Imaged | None = None
         self._detailed: _Detailed | None = None
         self._steps: Steps = (True for _ in ())
         self._underway: Steps | None = None
         self._spent = 0.0
         self._behind = False
         self._before: tuple[Shown, ...] = ()
-        self._of_pictures: dict[tuple[str, ...], Fluency] = {}
+        self._of_images: dict[tuple[str, ...], Fluency] = {}
         self._of_false_colors = Fluency()
         self._long = False
         self._false_colors = FalseColorTexture(), FalseColorTexture()
@@ -95,7 +95,7 @@ class Showing:
         self.frames: dict[Specification, Frame] = {}
         self.measured: dict[Specification, Measured] = {}
         self.at_rest = False
-        self.picture: Size = (0, 0)
+        self.image: Size = (0, 0)
         self.frame_ms = 0.0
         self.samples_done = 0
         self.finished = False
@@ -103,12 +103,12 @@ class Showing:
     def update(self, scene: Scene, state: State, size: Size) -> bool:
         """Draw what has moved, or begin anew with the rest; tells whether anything has, or is still being drawn.
 
-        A picture that takes longer than a frame is drawn in several, and shown when it is done.
+        An image that takes longer than a frame is drawn in several, and shown when it is done.
         """
         methods = tuple(half.method for half in state.halves)
-        pictured = _Pictured(shown_camera(state), methods, size, state.resolution, state.samples)
+        imaged = _Imaged(shown_camera(state), methods, size, state.resolution, state.samples)
         detailed = _Detailed(state.halves, state.unit, state.picked is not None)
-        moved = scene is not self._scene or pictured != self._pictured
+        moved = scene is not self._scene or imaged != self._imaged
         changed = moved or detailed != self._detailed
         if self._underway is not None and (not moved or self._spent < STALE):
             self._behind = changed
@@ -122,10 +122,10 @@ class Showing:
         if self._underway is not None:
             self._underway.close()
         if scene is not self._scene:
-            self._scene, self._pictures = scene, {}
-        self._pictured, self._detailed, self.finished = pictured, detailed, False
+            self._scene, self._images = scene, {}
+        self._imaged, self._detailed, self.finished = imaged, detailed, False
         for number, half in enumerate((state.first, state.second)):
-            self._shows_false_color[number] &= half.aspect != Aspect.PICTURE
+            self._shows_false_color[number] &= half.aspect != Aspect.IMAGE
         self._steps = self._resting()
         if moved:
             self.frames, self.measured, self.samples_done, self.at_rest = {}, {}, 0, False
@@ -144,7 +144,7 @@ class Showing:
 
     @property
     def moving(self) -> bool:
-        """Whether a picture of what has moved is still to be drawn."""
+        """Whether an image of what has moved is still to be drawn."""
         return self._underway is not None or self._behind
 
     @property
@@ -155,7 +155,7 @@ class Showing:
         """
         if self._underway is not None:
             return self._before
-        methods = self._pictured.methods if self._pictured else ()
+        methods = self._imaged.methods if self._imaged else ()
         colored = zip(methods, self._false_colors, self._shows_false_color, strict=False)
         return tuple(
             Shown(self._of(method).texture, colors.texture if shown else None) for method, colors, shown in colored
@@ -164,24 +164,24 @@ class Showing:
     @property
     def failures(self) -> tuple[str, ...]:
         """Why methods draw nothing."""
-        methods = self._pictured.methods if self._pictured else ()
+        methods = self._imaged.methods if self._imaged else ()
         return tuple(dict.fromkeys(filter(None, (self._of(method).failure for method in methods))))
 
     @property
     def phases(self) -> Mapping[str, float]:
-        """What the time of the first half's last picture went to, milliseconds."""
-        return self._of(self._pictured.methods[0]).phases if self._pictured else {}
+        """What the time of the first half's last image went to, milliseconds."""
+        return self._of(self._imaged.methods[0]).phases if self._imaged else {}
 
     def _of(self, method: Specification) -> MethodImages:
-        if method not in self._pictures:
+        if method not in self._images:
             assert self._scene is not None
-            used = {TRUTH, *(self._pictured.methods if self._pictured else ())}
-            self._pictures = {name: each for name, each in self._pictures.items() if name in used}
-            self._pictures[method] = MethodImages(self._scene, method)
-        return self._pictures[method]
+            used = {REFERENCE, *(self._imaged.methods if self._imaged else ())}
+            self._images = {name: each for name, each in self._images.items() if name in used}
+            self._images[method] = MethodImages(self._scene, method)
+        return self._images[method]
 
     def _draw(self) -> None:
-        """Go on with the picture of what has moved, for as long as a frame has time."""
+        """Go on with the image of what has moved, for as long as a frame has time."""
         assert self._underway is not None
         began = perf_counter()
         if not _go_on(self._underway):
@@ -189,19 +189,19 @@ class Showing:
         self._spent += 1e3 * (perf_counter() - began)
 
     def _moving(self) -> Steps:
-        """A picture of what has moved, as coarse as it must be, and its false-colour images."""
-        assert self._pictured is not None and self._detailed is not None
-        # Nobody knows how long methods take that have drawn nothing yet: they begin with the coarsest picture.
-        names = tuple(each.method.name for each in self._pictured.methods)
-        fluency = self._of_pictures.get(names, COARSEST)
-        resolution = self._pictured.resolution or fluency.resolution
-        _, seconds = yield from timed(self._drawing(scaled(self._pictured.size, resolution)))
+        """An image of what has moved, as coarse as it must be, and its false-colour images."""
+        assert self._imaged is not None and self._detailed is not None
+        # Nobody knows how long methods take that have drawn nothing yet: they begin with the coarsest image.
+        names = tuple(each.method.name for each in self._imaged.methods)
+        fluency = self._of_images.get(names, COARSEST)
+        resolution = self._imaged.resolution or fluency.resolution
+        _, seconds = yield from timed(self._drawing(scaled(self._imaged.size, resolution)))
         spent = 1e3 * seconds
         self._long = spent > LONG * resolution**2
-        if not self._pictured.resolution:
-            self._of_pictures[names] = fluency.after(spent)
-        if any(half.aspect != Aspect.PICTURE for half in self._detailed.halves):
-            coloring = self._coloring(scaled(self._pictured.size, self._of_false_colors.resolution))
+        if not self._imaged.resolution:
+            self._of_images[names] = fluency.after(spent)
+        if any(half.aspect != Aspect.IMAGE for half in self._detailed.halves):
+            coloring = self._coloring(scaled(self._imaged.size, self._of_false_colors.resolution))
             _, seconds = yield from timed(mapped(coloring, _within))
             self._of_false_colors = self._of_false_colors.after(1e3 * seconds)
             self.frames, self.measured = {}, {}
@@ -212,31 +212,31 @@ class Showing:
         self._first = False
 
     def _drawing(self, size: Size) -> Steps:
-        """Draw the pictures at a size."""
-        assert self._pictured is not None
-        methods = dict.fromkeys(self._pictured.methods)
+        """Draw the images at a size."""
+        assert self._imaged is not None
+        methods = dict.fromkeys(self._imaged.methods)
         for method in methods:
-            yield from mapped(self._of(method).drawing(self._pictured.camera, size), _within)
+            yield from mapped(self._of(method).drawing(self._imaged.camera, size), _within)
         for method in methods:
             self._of(method).wait()
-        self.picture = size
+        self.image = size
 
     def _resting(self) -> Steps:
-        """Everything at full size, in steps none of which takes longer than a frame by a method or the truth."""
-        assert self._pictured is not None
-        camera, size = self._pictured.camera, self._pictured.size
-        methods = dict.fromkeys(self._pictured.methods)
+        """Everything at full size, in steps none of which takes longer than a frame by a method or the reference."""
+        assert self._imaged is not None
+        camera, size = self._imaged.camera, self._imaged.size
+        methods = dict.fromkeys(self._imaged.methods)
         between = [scaled(size, resolution) for resolution in reversed(RESOLUTIONS)] if self._long else []
         for step in (*between, size):
-            if self.picture[0] < step[0]:
+            if self.image[0] < step[0]:
                 for method in methods:
                     yield from mapped(self._of(method).drawing(camera, step), _within)
                     yield True
-                self.picture = step
+                self.image = step
         self.at_rest = True
         yield from self._coloring(size)
         # Those are in the mean already that were drawn before something was asked for that moves nothing.
-        for shift in shifts(self._pictured.samples)[self.samples_done :]:
+        for shift in shifts(self._imaged.samples)[self.samples_done :]:
             for method in methods:
                 yield from mapped(self._of(method).refining(camera, size, shift), _within)
             # None counts for one half and not for the other, whenever this is left.
@@ -247,19 +247,19 @@ class Showing:
 
     def _coloring(self, size: Size) -> Steps:
         """What each pixel sees, where false colours or the picked pixel need it, and the false-colour images."""
-        assert self._pictured is not None and self._detailed is not None
+        assert self._imaged is not None and self._detailed is not None
         halves, picked = self._detailed.halves, self._detailed.picked
-        seen = [half.method for half in halves if half.aspect != Aspect.PICTURE or picked]
+        seen = [half.method for half in halves if half.aspect != Aspect.IMAGE or picked]
         compared = [half.method for half in halves if half.aspect == Aspect.ERROR or picked]
-        for method in dict.fromkeys([*seen, *([TRUTH] if compared else [])]):
+        for method in dict.fromkeys([*seen, *([REFERENCE] if compared else [])]):
             if method not in self.frames:
-                frame = yield from mapped(self._of(method).seeing(self._pictured.camera, size), _within)
+                frame = yield from mapped(self._of(method).seeing(self._imaged.camera, size), _within)
                 if frame is not None:
                     self.frames[method] = frame
                 yield True
         for method in dict.fromkeys(compared):
-            if method not in self.measured and {method, TRUTH} <= self.frames.keys():
-                self.measured[method] = measure_half(self.frames[TRUTH], self.frames[method])
+            if method not in self.measured and {method, REFERENCE} <= self.frames.keys():
+                self.measured[method] = measure_half(self.frames[REFERENCE], self.frames[method])
                 yield True
         for number, half in enumerate(halves):
             colors = None
@@ -289,7 +289,7 @@ def _within(part: object) -> bool:
 
 @lru_cache
 def shifts(samples: int) -> tuple[tuple[float, float], ...]:
-    """The shifts of samples x samples pictures, in an order of which every beginning is spread over the pixel."""
+    """The shifts of samples x samples images, in an order of which every beginning is spread over the pixel."""
     steps = (np.arange(samples) + 0.5) / samples - 0.5
     grid = [(float(x), float(y)) for y, x in product(steps, steps)] if samples > 1 else []
     chosen: list[tuple[float, float]] = []

@@ -12,7 +12,7 @@ from anamorph.viewer.state import State
 
 def snapshot(facts: Facts, state: State, drawn: Drawn | None, frames: int, at_rest: bool) -> dict[str, Any]:
     """All of it but the scene's arrays, ready for JSON."""
-    copied = ("size", "picture", "full", "adapter", "frame_ms", "samples_done", "samples_total", "message")
+    copied = ("size", "image", "full", "adapter", "frame_ms", "samples_done", "samples_total", "message")
     halves = {
         name: vars(half) | {"method": str(half.method)}
         for name, half in (("first", state.first), ("second", state.second))

@@ -1,4 +1,4 @@
-"""What is drawn into space over the picture: wireframe, hits, virtual viewpoints, view volumes, the eye, a path.
+"""What is drawn into space over the image: wireframe, hits, virtual viewpoints, view volumes, the eye, a path.
 
 They are those of per-vertex reflection, planned for the eye that looks. Source: Kakimoto et al. 2007, Figures 1, 3
 and 4.
@@ -29,7 +29,7 @@ MOST_HITS, MOST_RAYS = 400, 100
 """Of one body that are drawn: more cannot be told apart."""
 
 LONG_WIRE = 16.0
-"""Pixels: shorter edges are fainter, so that a fine mesh does not hide the picture."""
+"""Pixels: shorter edges are fainter, so that a fine mesh does not hide the image."""
 
 FARTHEST = 10.0
 """How far away a virtual viewpoint is shown, in diagonals of the scene: beyond, rays are parallel to the eye."""
@@ -38,14 +38,14 @@ PAST = 1.1
 """How far lines are drawn past the viewpoint, and a view volume past the farthest hit, for 1 up to there."""
 
 EYE_DEPTH = 0.3
-"""Of the eye's picture, for 1 at the nearest mirror or lens."""
+"""Of the eye's image, for 1 at the nearest mirror or lens."""
 
 WIRE = (0.85, 0.9, 0.95, 0.8)
 LEAST_ALPHA, HIDDEN_ALPHA = 0.15, 0.3
 """Of edges, relative to the front's long ones: the shortest, and those seen from behind."""
 
 WITHIN_ALPHA = 0.5
-"""Of rays as their own eye sees them: they run through its picture."""
+"""Of rays as their own eye sees them: they run through its image."""
 
 HIT, RAY, SKY_RAY = (0.9, 0.03, 0.02, 1.0), (1.0, 0.3, 0.15, 0.75), (0.3, 0.55, 1.0, 0.4)
 EYE, EYE_RAY = (1.0, 1.0, 1.0, 1.0), (0.1, 0.25, 1.0, 0.6)
@@ -56,7 +56,7 @@ LEG_COLORS = ((0.05, 0.35, 1.0, 1.0), (1.0, 0.55, 0.0, 1.0), (0.9, 0.05, 0.35, 1
 
 
 @dataclass(frozen=True, eq=False)
-class Space:
+class PreparedScene:
     """A scene, and what is prepared of it once for all frames, when it is first needed."""
 
     scene: Scene
@@ -86,7 +86,7 @@ class Space:
 
 
 def space_marks(
-    space: Space, state: State, looking: Camera, size: tuple[int, int], inspection: Inspection | None = None
+    space: PreparedScene, state: State, looking: Camera, size: tuple[int, int], inspection: Inspection | None = None
 ) -> Marks:
     """All that `state` asks to be drawn into space.
 
@@ -99,7 +99,7 @@ def space_marks(
     looking : Camera
         The eye whose rays are shown, as `looking_eye` says.
     size : (width, height)
-        Of its picture, in pixels.
+        Of its image, in pixels.
     inspection : Inspection, optional
         Of the pixel whose path is shown.
     """
@@ -125,7 +125,7 @@ def space_marks(
 
 
 def wireframe_marks(wireframe: Wireframe, shown: Camera, size: tuple[int, int]) -> Marks:
-    """The edges of mirrors and lenses, fainter where they are short or seen from behind in a picture of `size`."""
+    """The edges of mirrors and lenses, fainter where they are short or seen from behind in an image of `size`."""
     eye = np.asarray(shown.position, np.float32)
     distance = np.linalg.norm(wireframe.ends[:, 0] - eye, axis=1)
     pixel = 2.0 * np.tan(np.radians(shown.field_of_view) / 2.0) / size[1]
@@ -227,13 +227,13 @@ def frustum(projection: Projection, plan: MapPlan, diagonal: float) -> tuple[np.
 
 
 def eye_marks(camera: Camera, size: tuple[int, int], depth: float) -> Marks:
-    """The eye, and its picture at `depth` metres before it."""
+    """The eye, and its image at `depth` metres before it."""
     width, height = size
     corners = np.array([[0, 0], [width, 0], [width, height], [0, height]], float)
     directions = camera.directions(corners, size)
     eye = np.asarray(camera.position, float)
-    picture = eye + depth * directions / (directions @ camera.axes()[2])[:, None]
-    edges = np.concatenate([between(eye, picture), between(picture, np.roll(picture, -1, axis=0))])
+    image = eye + depth * directions / (directions @ camera.axes()[2])[:, None]
+    edges = np.concatenate([between(eye, image), between(image, np.roll(image, -1, axis=0))])
     return joined([line_marks(edges, EYE, 1.4), dot_marks(eye, EYE, 5.0)])
 
 
@@ -268,15 +268,15 @@ def _thinned(values: np.ndarray, most: int) -> np.ndarray:
     return values[:: max(1, -(-len(values) // most))]
 
 
-def _eye_depth(space: Space, camera: Camera) -> float:
-    """How far before the eye its picture is drawn, metres."""
+def _eye_depth(space: PreparedScene, camera: Camera) -> float:
+    """How far before the eye its image is drawn, metres."""
     specular = [mesh.positions.mean(axis=0) for mesh in space.scene.meshes if mesh.specular and len(mesh.positions)]
     away = np.linalg.norm(np.array(specular or [camera.target], float) - camera.position, axis=1)
     return EYE_DEPTH * float(away.min())
 
 
 def _map_options(state: State) -> Options:
-    """Of the maps that the picture shows, or would by per-vertex reflection."""
+    """Of the maps that the image shows, or would by per-vertex reflection."""
     chosen: Sequence[object] = [half.method.options for half in state.halves]
     options = next((each for each in chosen if isinstance(each, Options)), Options())
     return replace(options, start="vertices")

@@ -79,7 +79,7 @@ def start_of(source: Source | Scene | str | Path, method: str | Specification | 
 
 
 def carried_over(state: State, start: Start) -> State:
-    """The state in which a viewer goes on with another scene: what is set of the old one's picture stays.
+    """The state in which a viewer goes on with another scene: what is set of the old one's image stays.
 
     Parameters
     ----------

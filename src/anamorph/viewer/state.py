@@ -14,7 +14,7 @@ from anamorph.base.vectors import tuple_of
 from anamorph.methods.specification import Specification
 from anamorph.scene.camera import Camera
 
-TRUTH = Specification.parse("raytrace")
+REFERENCE = Specification.parse("raytrace")
 """The method that errors are measured against, and that the second half shows at first."""
 
 EYE_DISTANCE = 0.065
@@ -24,13 +24,13 @@ EYE_DISTANCE = 0.065
 class Aspect(StrEnum):
     """What is shown of a method."""
 
-    PICTURE = "picture"
+    IMAGE = "image"
     ERROR = "error"
     STATUS = "status"
 
 
 class Drawing(StrEnum):
-    """What is drawn into space, over the picture."""
+    """What is drawn into space, over the image."""
 
     WIREFRAME = "wireframe"
     HITS = "hits"
@@ -48,10 +48,10 @@ class EyeSide(StrEnum):
 
 @dataclass(frozen=True)
 class Half:
-    """What one half of the picture shows: a method with its options, and an aspect of it."""
+    """What one half of the image shows: a method with its options, and an aspect of it."""
 
     method: Specification
-    aspect: Aspect = Aspect.PICTURE
+    aspect: Aspect = Aspect.IMAGE
 
 
 @dataclass(frozen=True)
@@ -63,31 +63,31 @@ class State:
     camera : Camera
         The eye, midway between the two.
     first, second : Half
-        Of the picture left of the divider, and right of it. Without a split, the first fills the picture.
+        Of the image left of the divider, and right of it. Without a split, the first fills the image.
     split : bool
     divider : float
-        Its place, as a share of the picture's width.
+        Its place, as a share of the image's width.
     eye : EyeSide
     observer : Camera or None
-        Where the picture is taken from, when not from the eye: to look at eye, mirror and rays from outside.
+        Where the image is taken from, when not from the eye: to look at eye, mirror and rays from outside.
     values : mapping of str to float
         What has been set of the scene's controls, by their keys: see `controls`.
     unit : str
         Of errors: "mrad" or "px".
     drawings : frozenset of Drawing
     samples : int
-        A side: when nothing moves, a pixel averages samples x samples pictures.
+        A side: when nothing moves, a pixel averages samples x samples images.
     resolution : float
-        Pixels of the picture for each of the canvas, along one axis, while things move; 0 for as many as keep it
+        Pixels of the image for each of the canvas, along one axis, while things move; 0 for as many as keep it
         fluid. When nothing moves, there is one for each.
     panel, help : bool
         Whether these are open.
     opening : str or None
         What is typed so far to name another scene; None while none is asked for.
     picked : (x, y) or None
-        The picked point of the picture, as shares of its width and height from the top left.
+        The picked point of the image, as shares of its width and height from the top left.
     picked_outside : bool
-        Whether that is the observer's picture, and not the eye's; only while there are both.
+        Whether that is the observer's image, and not the eye's; only while there are both.
     views : tuple of Camera
         What has been remembered, each as `shown_camera` gave it; a path goes through them in their order.
     """
@@ -126,16 +126,16 @@ def looking_eye(state: State) -> Camera:
 
 
 def shown_camera(state: State) -> Camera:
-    """Where the picture is taken from: the eye that looks, or the observer."""
+    """Where the image is taken from: the eye that looks, or the observer."""
     return state.observer or looking_eye(state)
 
 
 def with_picked(state: State, picked: tuple[float, float] | None) -> State:
-    """The state with a point of the shown picture picked, or with none; it also notes whose picture that is."""
+    """The state with a point of the shown image picked, or with none; it also notes whose image that is."""
     return replace(state, picked=picked, picked_outside=picked is not None and state.observer is not None)
 
 
 def with_observer(state: State, observer: Camera | None) -> State:
-    """The state with an observer, or without one; a point that was picked in the observer's picture goes too."""
+    """The state with an observer, or without one; a point that was picked in the observer's image goes too."""
     seen = replace(state, observer=observer)
     return with_picked(seen, None) if observer is None and state.picked_outside else seen

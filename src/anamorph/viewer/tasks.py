@@ -12,7 +12,7 @@ from anamorph.files.view_file import Opened
 from anamorph.scene.camera import Camera
 from anamorph.scene.model import Scene
 from anamorph.viewer.facts import Progress, Request
-from anamorph.viewer.saving import Saving, free_name, save_comparison, save_picture, save_scene
+from anamorph.viewer.saving import Saving, free_name, save_comparison, save_image, save_scene
 from anamorph.viewer.showing import Showing
 from anamorph.viewer.state import State, looking_eye, shown_camera
 from anamorph.viewer.turntable import between, orbit, turntable
@@ -35,10 +35,10 @@ class Shot:
         With what its controls are set to.
     state : State
     size : (width, height)
-        Of the picture, pixels.
+        Of the image, pixels.
     showing : Showing
     pixels : callable
-        Gives the picture as it is shown, (H, W, 3) uint8 sRGB.
+        Gives the image as it is shown, (H, W, 3) uint8 sRGB.
     """
 
     opened: Opened
@@ -68,7 +68,7 @@ def saving_of(request: Request, shot: Shot, directory: Path) -> Saving:
             return _filmed(shot, cameras, name(".webm" if request is Request.SAVE_TURNTABLE else ""))
         case Request.SAVE_PATH | Request.SAVE_PATH_SERIES:
             return _filmed(shot, between(state.views), name(".webm" if request is Request.SAVE_PATH else ""))
-    return _once_refined(shot, lambda: save_picture(name(".png"), shot.pixels()))
+    return _once_refined(shot, lambda: save_image(name(".png"), shot.pixels()))
 
 
 def _filmed(shot: Shot, cameras: Sequence[Camera], path: Path) -> Saving:
@@ -84,7 +84,7 @@ def _at_once(save: Callable[[], str]) -> Saving:
 
 
 def _once_refined(shot: Shot, save: Callable[[], str]) -> Saving:
-    """Work of a single step, when the picture is as good as it gets."""
+    """Work of a single step, when the image is as good as it gets."""
     while shot.showing.rest():
-        yield Progress("refining the picture", shot.showing.samples_done, max(shot.state.samples**2, 1))
+        yield Progress("refining the image", shot.showing.samples_done, max(shot.state.samples**2, 1))
     return save()

@@ -125,7 +125,7 @@ def turntable(
     Parameters
     ----------
     path : str or Path
-        Ends in .webm or .webp; without a suffix, a folder for numbered PNG pictures.
+        Ends in .webm or .webp; without a suffix, a folder for numbered PNG images.
     scene : Scene
     method : Specification
     cameras : sequence of Camera
@@ -133,7 +133,7 @@ def turntable(
     size : (width, height)
         Pixels.
     samples : int
-        A side: a frame averages samples x samples pictures.
+        A side: a frame averages samples x samples images.
     rate : float
         Frames a second.
     """

@@ -19,7 +19,7 @@ from anamorph.methods.averaging import MAXIMUM_SAMPLES
 from anamorph.scene.camera import Camera
 from anamorph.scene.checks import check_camera
 from anamorph.viewer.controls import MOVES, SHAPES, TURNS
-from anamorph.viewer.state import TRUTH, Aspect, Drawing, EyeSide, Half, State
+from anamorph.viewer.state import REFERENCE, Aspect, Drawing, EyeSide, Half, State
 
 UNITS = ("mrad", "px")
 MOST_RESOLUTION = 4.0
@@ -61,14 +61,14 @@ def state_of(opened: Opened) -> State:
     """
     first = Half(Specification.parse(opened.settings.method))
     table = opened.settings.view
-    plain = State(opened.camera, first, Half(TRUTH), values=values_of(opened.edits))
+    plain = State(opened.camera, first, Half(REFERENCE), values=values_of(opened.edits))
     if table is None:
         return plain
     table.only(*view_of(plain), "observer", "picked", "picked_outside", "views")
     return replace(
         plain,
-        first=Half(first.method, Aspect(table.choice("aspect", Aspect, Aspect.PICTURE))),
-        second=Half(_method(table), Aspect(table.choice("second_aspect", Aspect, Aspect.PICTURE))),
+        first=Half(first.method, Aspect(table.choice("aspect", Aspect, Aspect.IMAGE))),
+        second=Half(_method(table), Aspect(table.choice("second_aspect", Aspect, Aspect.IMAGE))),
         split=table.flag("split", plain.split),
         divider=table.number("divider", plain.divider, 0.0, 1.0),
         eye=EyeSide(table.choice("eye", EyeSide, plain.eye)),
@@ -114,7 +114,7 @@ def _millimetres(metres: float) -> float:
 
 def _method(table: Table) -> Specification:
     try:
-        return Specification.parse(table.text("second", str(TRUTH)))
+        return Specification.parse(table.text("second", str(REFERENCE)))
     except AnamorphError as error:
         table.wrong("second", str(error))
 
@@ -133,7 +133,7 @@ def _picked(table: Table) -> tuple[float, float] | None:
     if given is None:
         return None
     if not isinstance(given, list) or len(given) != 2 or not all(type(share) in (int, float) for share in given):
-        table.wrong("picked", f"picked is {given!r}; give two shares of the picture's width and height, as [0.5, 0.5]")
+        table.wrong("picked", f"picked is {given!r}; give two shares of the image's width and height, as [0.5, 0.5]")
     x, y = (float(share) for share in given)
     if not (0.0 <= x <= 1.0 and 0.0 <= y <= 1.0):
         table.wrong("picked", f"picked is {given!r}; give shares from 0 to 1")

@@ -53,13 +53,13 @@ def ball(radius=0.25, subdivisions=4):
 @pytest.mark.parametrize("sky", [Sky(), smooth_sky()])
 def test_it_is_exact_for_a_scene_at_infinity(mirror, sky):
     scene = sky_scene(mirror, sky)
-    truth, frame = drawn(scene, "raytrace"), drawn(scene, "environment:face=1024")
-    looks = (truth.specular == 1) & (frame.specular == 1)
+    reference, frame = drawn(scene, "raytrace"), drawn(scene, "environment:face=1024")
+    looks = (reference.specular == 1) & (frame.specular == 1)
     assert looks.sum() > 3000
     assert (frame.status[looks] == Status.SKY).all()
-    inside = looks & ~silhouettes(truth.specular)
-    assert np.abs(frame.position - truth.position)[inside].max() <= 2e-5
-    difference = np.abs(frame.color - truth.color)[inside].max(axis=-1)
+    inside = looks & ~silhouettes(reference.specular)
+    assert np.abs(frame.position - reference.position)[inside].max() <= 2e-5
+    difference = np.abs(frame.color - reference.color)[inside].max(axis=-1)
     assert np.percentile(difference, 98) <= 5e-3
     assert difference.max() <= 0.05
 
@@ -107,9 +107,9 @@ def test_a_ball_sees_what_is_seen_from_its_centre_in_the_reflected_direction():
 def test_colours_join_without_seams_between_faces():
     """Under a smooth sky no pixel of a ball differs from its neighbour by more than its neighbourhood does."""
     scene = sky_scene(ball(), smooth_sky(), Camera((0.0, 0.5, 1.2), tuple(CENTER.tolist()), field_of_view=24.0))
-    frame, truth = (drawn(scene, name, (240, 240)) for name in ("environment:face=64", "raytrace"))
-    inside = (truth.specular == 1) & ~silhouettes(truth.specular)
-    assert np.abs(frame.color - truth.color)[inside].max() <= 0.02
+    frame, reference = (drawn(scene, name, (240, 240)) for name in ("environment:face=64", "raytrace"))
+    inside = (reference.specular == 1) & ~silhouettes(reference.specular)
+    assert np.abs(frame.color - reference.color)[inside].max() <= 0.02
 
 
 def test_faces_are_oriented_as_webgpu_has_them():

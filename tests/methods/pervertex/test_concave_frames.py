@@ -1,4 +1,4 @@
-"""Hollow, flat and bulging mirrors, and saddles: near things before far ones, and no jump from one to the next."""
+"""Concave, flat and bulging mirrors, and saddles: near things before far ones, and no jump from one to the next."""
 
 from __future__ import annotations
 
@@ -29,9 +29,9 @@ def things() -> list[int]:
 
 
 @pytest.mark.parametrize("curvature", CURVATURES)
-def test_errors_are_bounded_from_hollow_over_flat_to_bulging(curvature):
-    truth = mirror(curvature, "raytrace")
-    plain, refined = (measure(truth, mirror(curvature, name)) for name in ("pervertex", "pervertex:refine=2"))
+def test_errors_are_bounded_from_concave_over_flat_to_bulging(curvature):
+    reference = mirror(curvature, "raytrace")
+    plain, refined = (measure(reference, mirror(curvature, name)) for name in ("pervertex", "pervertex:refine=2"))
     assert plain.pixels.median <= 0.1
     assert plain.pixels.p95 <= 0.5
     assert plain.other_object_percent <= 0.5
@@ -45,9 +45,9 @@ def test_errors_are_bounded_from_hollow_over_flat_to_bulging(curvature):
 
 
 @pytest.mark.parametrize("specification", ["pervertex", "pervertex:refine=2"])
-def test_the_picture_does_not_jump_where_the_mirror_is_flat(specification):
-    hollow, flat, bulging = (mirror(curvature, specification) for curvature in (-1e-6, 0.0, 1e-6))
-    for other in (hollow, bulging):
+def test_the_image_does_not_jump_where_the_mirror_is_flat(specification):
+    concave, flat, bulging = (mirror(curvature, specification) for curvature in (-1e-6, 0.0, 1e-6))
+    for other in (concave, bulging):
         away = ~silhouettes(flat.object_id, flat.specular)
         assert (other.object_id == flat.object_id)[away].all()
         assert np.linalg.norm(other.position - flat.position, axis=-1)[away].max() <= 1e-3
@@ -57,18 +57,18 @@ def test_the_picture_does_not_jump_where_the_mirror_is_flat(specification):
 @pytest.mark.parametrize("curvature", [-0.7, -1.0, -1.5, -1.9])
 @pytest.mark.parametrize("specification", ["pervertex", "pervertex:refine=2"])
 def test_near_things_are_seen_whole_before_far_ones(curvature, specification):
-    truth, frame = mirror(curvature, "raytrace"), mirror(curvature, specification)
-    near = np.isin(truth.object_id, things()) & (truth.specular > 0)
+    reference, frame = mirror(curvature, "raytrace"), mirror(curvature, specification)
+    near = np.isin(reference.object_id, things()) & (reference.specular > 0)
     shown = np.isin(frame.object_id, things()) & (frame.specular > 0)
     assert near.sum() > 100
     assert shown.sum() == pytest.approx(near.sum(), rel=0.1)
-    inner = near & ~silhouettes(truth.object_id, truth.specular)
+    inner = near & ~silhouettes(reference.object_id, reference.specular)
     assert shown[inner].mean() >= 0.99
 
 
 @pytest.mark.parametrize("specification", ["raytrace", "pervertex"])
-def test_the_far_is_reversed_in_a_hollow_mirror_and_the_near_is_not(specification):
-    """Up the picture the room goes down; the pawn does not."""
+def test_the_far_is_reversed_in_a_concave_mirror_and_the_near_is_not(specification):
+    """Up the image the room goes down; the pawn does not."""
     frame = mirror(-1.9, specification)
     near = np.isin(frame.object_id, things())
     for part, sign in ((near, 1.0), (~near, -1.0)):
@@ -83,14 +83,14 @@ def test_the_far_is_reversed_in_a_hollow_mirror_and_the_near_is_not(specificatio
 @pytest.mark.parametrize("specification", ["pervertex", "pervertex:refine=2"])
 def test_aligned_maps_use_more_of_their_area_and_are_no_less_exact(specification):
     scene = make("saddle")
-    truth = drawn(scene, "raytrace", SIZE)
+    reference = drawn(scene, "raytrace", SIZE)
     used, errors = [], []
     for align in ("true", "false"):
         session = open_view(scene, f"{specification}{',' if ':' in specification else ':'}align={align}", SIZE)
         session.draw(scene.camera)
-        plans = [seen.plans for seen in session.diagnostics()["picture"].seen]
+        plans = [seen.plans for seen in session.diagnostics()["image"].seen]
         used.append([np.mean([plan.used for plan in each]) for each in plans])
-        errors.append(measure(truth, session.frame(seen=True)))
+        errors.append(measure(reference, session.frame(seen=True)))
     (saddle, cylinder), (saddle_before, cylinder_before) = used
     assert cylinder > 1.3 * cylinder_before
     # The eye sees the saddle from aside: its rays fill a rectangle hardly better one way than another.

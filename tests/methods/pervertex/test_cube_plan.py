@@ -71,7 +71,7 @@ def ball():
 
 
 @pytest.fixture(scope="module")
-def truth():
+def reference():
     return drawn(WIDE, "raytrace")
 
 
@@ -169,17 +169,17 @@ def test_only_faces_and_parts_that_are_looked_up_are_drawn():
     assert min(areas) < 0.7 * max(areas)
 
 
-def test_what_is_in_the_body_does_not_hide_what_is_before_it(truth):
+def test_what_is_in_the_body_does_not_hide_what_is_before_it(reference):
     inner = box(tuple(CENTER - 0.08), tuple(CENTER + 0.08)).mesh("inner", Diffuse(color=(1.0, 0.0, 1.0)))
     filled = drawn(replace(WIDE, meshes=(*WIDE.meshes, inner)), "pervertex:refine=2,wide=cube")
     assert not (filled.object_id == len(WIDE.meshes) + 1).any()
-    assert measure(truth, filled).other_object_percent < 0.5
+    assert measure(reference, filled).other_object_percent < 0.5
 
 
 @pytest.mark.parametrize(("refine", "median", "p95"), [(0, 0.4, 1.5), (3, 0.02, 0.05)])
-def test_a_whole_ball_is_close_to_the_truth(truth, refine, median, p95):
+def test_a_whole_ball_is_close_to_the_truth(reference, refine, median, p95):
     frame = drawn(WIDE, f"pervertex:refine={refine},wide=cube")
-    errors = measure(truth, frame)
+    errors = measure(reference, frame)
     assert errors.pixels.median <= median
     assert errors.pixels.p95 <= p95
     assert errors.other_object_percent <= 0.5
@@ -196,11 +196,11 @@ def test_a_torus_is_about_as_near_to_the_truth_as_by_patches():
 
 
 @pytest.mark.parametrize("kind", ["ball", "bars"])
-def test_a_tolerance_holds_with_a_cube_map(truth, kind):
+def test_a_tolerance_holds_with_a_cube_map(reference, kind):
     red = Diffuse(color=(0.9, 0.1, 0.1))
     bars = [box((x, 0.2, 0.3), (x + 0.02, 0.8, 0.32)).mesh(f"bar-{x}", red) for x in (-0.1, 0.0, 0.1)]
     scene = WIDE if kind == "ball" else scene_with(BALL, *bars)
-    reference = truth if kind == "ball" else drawn(scene, "raytrace")
+    reference = reference if kind == "ball" else drawn(scene, "raytrace")
     frame = drawn(scene, "pervertex:tolerance=0.5,wide=cube")
     errors = measure(reference, frame)
     counted = errors.maps.specular & ~errors.maps.silhouette
@@ -253,7 +253,7 @@ def test_a_wide_body_has_one_draw_and_a_map_for_each_face_that_it_needs():
     session = open_view(WIDE, "pervertex:wide=cube")
     session.draw(WIDE.camera)
     held = session.diagnostics()
-    (draw,), (level,) = held["picture"].draws, held["levels"]
+    (draw,), (level,) = held["image"].draws, held["levels"]
     assert draw.cube and draw.sides == 1
     assert len(level.views) == len(PLANS["ball"][2].cube)
     assert all(view.sky for view in level.views)
@@ -268,12 +268,12 @@ def test_where_a_tolerance_is_set_a_vertex_that_sees_its_own_body_has_no_place()
     assert plan_of(WIDE, tolerance=0.5)[2].lookups[0][:, 3].all()
 
 
-def test_wide_and_narrow_bodies_share_a_picture():
+def test_wide_and_narrow_bodies_share_a_image():
     session = open_view(
         scene_with(spherical_mirror(), mirror_ball("ball", (0.0, 0.7, -0.4), 0.15, 12, 16)), "pervertex:wide=cube"
     )
     session.draw(WIDE.camera)
-    assert {draw.cube for draw in session.diagnostics()["picture"].draws} == {False, True}
+    assert {draw.cube for draw in session.diagnostics()["image"].draws} == {False, True}
 
 
 def test_a_cube_map_shows_mirrors_in_mirrors():

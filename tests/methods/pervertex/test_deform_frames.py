@@ -1,4 +1,4 @@
-"""Starting from directions alone: no ray is cast, whatever moves, and the picture is right."""
+"""Starting from directions alone: no ray is cast, whatever moves, and the image is right."""
 
 from __future__ import annotations
 
@@ -35,13 +35,13 @@ def no_rays(monkeypatch):
 
 
 @pytest.mark.parametrize("name", ["car-mirror", "flat-mirror"])
-def test_without_vertex_rays_the_picture_is_right_to_a_pixel(name, no_rays):
+def test_without_vertex_rays_the_image_is_right_to_a_pixel(name, no_rays):
     scene = make(name)
-    truth = drawn(scene, "raytrace", SIZE)
+    reference = drawn(scene, "raytrace", SIZE)
     session = open_view(scene, DIRECTION, SIZE)
     no_rays()
     session.draw(scene.camera)
-    errors = measure(truth, session.frame(seen=True))
+    errors = measure(reference, session.frame(seen=True))
     assert errors.pixels.median <= 0.01
     assert errors.pixels.p95 <= 1.0
     assert errors.other_object_percent <= 1.0
@@ -71,11 +71,11 @@ def test_a_scene_that_moves_is_followed_without_a_ray(moving, no_rays):
     session = open_view(scene, DIRECTION, SIZE)
     session.draw(scene.camera)
     no_rays()
-    for time, truth, other in zip(TIMES, truths, fresh, strict=True):
+    for time, reference, other in zip(TIMES, truths, fresh, strict=True):
         session.deform(*deformed(time))
         session.draw(scene.camera)
         frame = session.frame(seen=True)
-        errors = measure(truth, frame)
+        errors = measure(reference, frame)
         assert errors.pixels.p95 <= 1.0
         assert errors.other_object_percent <= 1.0
         assert np.array_equal(frame.color, other.color)

@@ -18,10 +18,10 @@ from anamorph.scene.camera import Camera
 SEEDS = st.integers(0, 2**32 - 1)
 
 
-def ray_mesh(directions, faces, status=None, picture=None):
+def ray_mesh(directions, faces, status=None, image=None):
     count = len(directions)
     return RayMesh(
-        np.ones((count, 3)) if picture is None else np.asarray(picture, float),
+        np.ones((count, 3)) if image is None else np.asarray(image, float),
         np.zeros((count, 3)),
         np.asarray(directions, float),
         np.asarray(faces),
@@ -128,7 +128,7 @@ def test_a_narrow_mirror_is_one_patch_and_a_ball_several():
 
 
 def test_patches_show_the_same_at_the_vertices_that_they_share():
-    """The picture is continuous where patches meet: a vertex' ray hits the same in all the maps that show it."""
+    """The image is continuous where patches meet: a vertex' ray hits the same in all the maps that show it."""
     found = planned(scene_with(spherical_mirror(0.25, 24, (0.24, 0.24))))
     hits, shared = {}, 0
     for plan in found.plans:
@@ -140,8 +140,8 @@ def test_patches_show_the_same_at_the_vertices_that_they_share():
     assert shared > 10
 
 
-def picture_mesh(places, status=(0, 0, 0)):
-    """One face with homogeneous places in a picture of 160 x 120."""
+def image_mesh(places, status=(0, 0, 0)):
+    """One face with homogeneous places in an image of 160 x 120."""
     return ray_mesh(np.eye(3), [[0, 1, 2]], status, places)
 
 
@@ -157,12 +157,12 @@ def picture_mesh(places, status=(0, 0, 0)):
         ([(-10, -10, -1), (-50, -10, -1), (-10, -50, -1)], False),
         # Two vertices behind the eye: what is before it may be seen.
         ([(10, 10, 1), (-50, -10, -1), (-10, -50, -1)], True),
-        # Homogeneous: 20 / 0.1 is to the right of the picture.
+        # Homogeneous: 20 / 0.1 is to the right of the image.
         ([(20, 1, 0.1), (30, 1, 0.1), (20, 2, 0.1)], False),
     ],
 )
-def test_what_is_outside_the_picture_is_not_seen(places, seen):
-    assert (len(seen_faces(picture_mesh(places), SIZE)) == 1) is seen
+def test_what_is_outside_the_image_is_not_seen(places, seen):
+    assert (len(seen_faces(image_mesh(places), SIZE)) == 1) is seen
 
 
 @pytest.mark.parametrize(
@@ -171,11 +171,11 @@ def test_what_is_outside_the_picture_is_not_seen(places, seen):
 )
 def test_a_face_is_seen_where_some_vertex_faces_the_eye(status, seen):
     inside = [(10, 10, 1), (50, 10, 1), (10, 50, 1)]
-    assert (len(seen_faces(picture_mesh(inside, status), SIZE)) == 1) is seen
+    assert (len(seen_faces(image_mesh(inside, status), SIZE)) == 1) is seen
 
 
 @given(SEEDS, st.floats(0.01, 3.0))
-def test_no_face_is_lost_of_which_some_point_is_in_the_picture(seed, distance):
+def test_no_face_is_lost_of_which_some_point_is_in_the_image(seed, distance):
     generator = np.random.default_rng(seed)
     mirror = reflector(spherical_mirror(generator.choice([-0.5, 0.5, 1.4])))
     position = CENTER + distance * generator.normal(size=3)
@@ -185,7 +185,7 @@ def test_no_face_is_lost_of_which_some_point_is_in_the_picture(seed, distance):
     rays = reflected_rays(mirror, camera.eye(SIZE))
     kept = seen_faces(rays, SIZE)
     weights = generator.dirichlet(np.ones(3), 50)
-    x, y, w = np.moveaxis(np.einsum("pk,fki->fpi", weights, rays.picture[rays.faces]), -1, 0)
+    x, y, w = np.moveaxis(np.einsum("pk,fki->fpi", weights, rays.image[rays.faces]), -1, 0)
     inside = (w > 0.0) & (x >= 0.0) & (x <= SIZE[0] * w) & (y >= 0.0) & (y <= SIZE[1] * w)
     facing = (rays.status[rays.faces] == RayStatus.OK).any(axis=1)
     assert set(np.flatnonzero(inside.any(axis=1) & facing)) <= set(kept.tolist())

@@ -41,7 +41,7 @@ CURVED = scene_with(spherical_mirror())
 
 
 @pytest.fixture(scope="module")
-def truth():
+def reference():
     return drawn(CURVED, "raytrace")
 
 
@@ -60,7 +60,7 @@ def test_the_device_gets_the_plans_lookups_and_projection_in_single_precision(mo
     held = drawing.diagnostics()
     (level,) = held["levels"]
     body_rays, plan = plan_of(CURVED)
-    (draw,) = held["picture"].draws
+    (draw,) = held["image"].draws
     triangles, data = (written[buffer] for buffer in level.buffers)
     triangles = triangles.reshape(-1, 4)[draw.first : draw.first + draw.count]
     # Mesh 0 has the scene's first triangles, so that the number in the scene is that in the mirror.
@@ -105,37 +105,37 @@ def test_every_vertex_shows_the_hit_of_its_own_ray(specification):
 @pytest.mark.parametrize("camera", [CAMERA, Camera((-0.6, 0.9, 0.4), (0, 0.5, 0), (0.3, 1, 0), 50.0)])
 def test_a_flat_mirror_of_two_triangles_is_exact(specification, camera):
     scene = scene_with(flat_mirror(), camera=camera)
-    truth, frame = drawn(scene, "raytrace"), drawn(scene, specification)
-    errors = measure(truth, frame)
+    reference, frame = drawn(scene, "raytrace"), drawn(scene, specification)
+    errors = measure(reference, frame)
     assert errors.pixels.p95 <= 0.05
     assert errors.pixels.max <= 0.05
     if "resolution" not in specification:
         assert errors.other_object_percent == 0.0
 
 
-def test_plain_texture_coordinates_bend_a_flat_mirrors_picture():
+def test_plain_texture_coordinates_bend_a_flat_mirrors_image():
     """What the projective ones cure is real: the deviation from the paper is needed."""
     scene = scene_with(flat_mirror())
     errors = measure(drawn(scene, "raytrace"), drawn(scene, "pervertex:projective=false"))
     assert errors.pixels.median > 1.0
 
 
-def test_a_curved_mirror_is_close_to_the_truth(truth, frame):
-    errors = measure(truth, frame)
+def test_a_curved_mirror_is_close_to_the_truth(reference, frame):
+    errors = measure(reference, frame)
     assert errors.angular_mrad.median <= 1.0
     assert errors.angular_mrad.p95 <= 5.0
     assert errors.pixels.p95 <= 0.5
     assert errors.other_object_percent <= 1.0
-    environment = measure(truth, drawn(CURVED, "environment"))
+    environment = measure(reference, drawn(CURVED, "environment"))
     assert environment.angular_mrad.p95 >= 10.0 * errors.angular_mrad.p95
     assert errors.rmse <= 0.1
 
 
-def test_at_silhouettes_it_is_off_by_no_more_than_its_neighbours_differ(truth, frame):
+def test_at_silhouettes_it_is_off_by_no_more_than_its_neighbours_differ(reference, frame):
     """Where the truth has an edge, every pixel still sees an object that the truth shows within two pixels."""
-    rows, columns = np.nonzero((truth.specular == 1) & (frame.object_id != truth.object_id))
+    rows, columns = np.nonzero((reference.specular == 1) & (frame.object_id != reference.object_id))
     for row, column in zip(rows, columns, strict=True):
-        around = truth.object_id[max(row - 2, 0) : row + 3, max(column - 2, 0) : column + 3]
+        around = reference.object_id[max(row - 2, 0) : row + 3, max(column - 2, 0) : column + 3]
         assert frame.object_id[row, column] in around
 
 
@@ -160,11 +160,11 @@ def test_a_rim_over_the_border_does_not_disturb():
     rim = join(bars).mesh("rim", Diffuse(color=(0.1, 0.1, 0.1)))
     scene = Scene("rim", (mirror, *surroundings(), rim), CAMERA)
     number = len(scene.meshes)
-    truth, frame = drawn(scene, "raytrace"), drawn(scene, "pervertex")
+    reference, frame = drawn(scene, "raytrace"), drawn(scene, "pervertex")
     assert (frame.object_id[frame.specular == 0] == number).sum() > 500
-    errors = measure(truth, frame)
+    errors = measure(reference, frame)
     # The rim's own reflection, which the near plane leaves out, is seen in a narrow border.
-    shows_rim = (truth.specular == 1) & (truth.object_id == number)
+    shows_rim = (reference.specular == 1) & (reference.object_id == number)
     inside = errors.maps.specular & ~errors.maps.silhouette & ~shows_rim
     assert np.percentile(errors.maps.angular[inside], 95) <= 5.0
     assert errors.maps.angular[inside].max() <= 40.0
@@ -172,19 +172,19 @@ def test_a_rim_over_the_border_does_not_disturb():
 
 def test_under_the_sky_alone_every_pixel_sees_the_sky():
     scene = sky_scene(spherical_mirror())
-    truth, frame = drawn(scene, "raytrace"), drawn(scene, "pervertex")
+    reference, frame = drawn(scene, "raytrace"), drawn(scene, "pervertex")
     assert (frame.object_id == 0).all()
     assert (frame.status == Status.SKY).all()
     looks = frame.specular == 1
     assert np.linalg.norm(frame.position[looks], axis=1) == pytest.approx(1.0, abs=1e-5)
-    assert measure(truth, frame).angular_mrad.max <= 3.0
-    difference = np.abs(frame.color - truth.color)[looks & (truth.specular == 1)]
+    assert measure(reference, frame).angular_mrad.max <= 3.0
+    difference = np.abs(frame.color - reference.color)[looks & (reference.specular == 1)]
     assert np.percentile(difference, 99) <= 0.005
     # The gradient is steep at the horizon.
     assert difference.max() <= 0.04
 
 
-def test_the_back_of_a_mirror_is_matt():
+def test_the_back_of_a_mirror_is_diffuse():
     """One mirror turns its back on the eye, another its front: the one has no plan."""
     camera = Camera((0.25, 0.65, -0.9), (0.0, 0.5, 0.0), field_of_view=32.0)
     other = replace(flat_mirror(), name="other", positions=flat_mirror().positions * [-1, 1, 1] + [0.3, 0, 1.5])
@@ -193,20 +193,24 @@ def test_the_back_of_a_mirror_is_matt():
     scene = scene_with(spherical_mirror(), other, camera=camera)
     _, plan = plan_of(scene)
     assert plan is None
-    truth = drawn(scene, "raytrace")
-    assert ((truth.object_id == 1) & (truth.specular == 0)).sum() > 1000
+    reference = drawn(scene, "raytrace")
+    assert ((reference.object_id == 1) & (reference.specular == 0)).sum() > 1000
     for name in ("pervertex", "environment"):
         frame = drawn(scene, name)
-        back = (truth.object_id == 1) & (truth.specular == 0) & ~silhouettes(truth.object_id, truth.specular)
+        back = (
+            (reference.object_id == 1)
+            & (reference.specular == 0)
+            & ~silhouettes(reference.object_id, reference.specular)
+        )
         assert (frame.object_id[back] == 1).all()
         assert (frame.specular[back] == 0).all()
         assert (frame.status[back] == Status.DIRECT).all()
-        assert np.abs(frame.color - truth.color)[back].max() < 2e-3
+        assert np.abs(frame.color - reference.color)[back].max() < 2e-3
 
 
 @pytest.mark.parametrize("name", ["pervertex", "environment"])
 def test_a_mirror_that_shows_front_and_back_is_a_mirror_on_its_front_alone(name):
-    """A gutter, hollow toward the eye on one side only: its near half turns its back."""
+    """A gutter, concave toward the eye on one side only: its near half turns its back."""
     angles = np.linspace(-2.4, 2.4, 33)
     x, z = 0.15 * np.sin(angles), 0.15 * np.cos(angles)
     positions = np.concatenate([np.stack([x, np.full(33, y), z], axis=-1) for y in (0.35, 0.65)])
@@ -220,14 +224,14 @@ def test_a_mirror_that_shows_front_and_back_is_a_mirror_on_its_front_alone(name)
     )
     camera = Camera((0.5, 0.7, -0.6), (0.0, 0.5, 0.0), field_of_view=32.0)
     scene = scene_with(gutter, camera=camera)
-    truth, frame = drawn(scene, "raytrace"), drawn(scene, name)
-    inner = ~silhouettes(truth.object_id, truth.specular)
-    back = inner & (truth.object_id == 1) & (truth.specular == 0)
-    front = inner & (truth.specular == 1)
+    reference, frame = drawn(scene, "raytrace"), drawn(scene, name)
+    inner = ~silhouettes(reference.object_id, reference.specular)
+    back = inner & (reference.object_id == 1) & (reference.specular == 0)
+    front = inner & (reference.specular == 1)
     assert back.sum() > 300 and front.sum() > 300
     assert (frame.specular[back] == 0).all()
     assert (frame.status[back] == Status.DIRECT).all()
-    assert np.abs(frame.color - truth.color)[back].max() < 2e-3
+    assert np.abs(frame.color - reference.color)[back].max() < 2e-3
     assert (frame.specular[front] == 1).all()
 
 
@@ -240,13 +244,13 @@ def defined(frame):
 
 @pytest.mark.parametrize("height", [1e-3, 1e-2, 0.1])
 @pytest.mark.parametrize("mirror", [flat_mirror(), spherical_mirror(), spherical_mirror(30.0)])
-def test_a_grazing_eye_gets_a_defined_picture(mirror, height):
+def test_a_grazing_eye_gets_a_defined_image(mirror, height):
     camera = Camera((0.75, 0.55, 0.75 * height), (0.0, 0.5, 0.0), field_of_view=30.0)
     scene = scene_with(mirror, camera=camera)
     frame = drawn(scene, "pervertex")
     defined(frame)
-    truth = drawn(scene, "raytrace")
-    p95 = measure(truth, frame).pixels.p95
+    reference = drawn(scene, "raytrace")
+    p95 = measure(reference, frame).pixels.p95
     if isinstance(mirror.surface, Plane) and p95 is not None:
         assert p95 <= 0.05
 
@@ -257,10 +261,10 @@ def test_a_very_distant_eye_sees_by_nearly_parallel_rays(mirror, distance):
     position = CENTER + distance * np.array([0.2, 0.1, 1.0])
     camera = Camera(tuple(position.tolist()), tuple(CENTER.tolist()), field_of_view=float(np.degrees(0.45 / distance)))
     scene = scene_with(mirror, camera=camera)
-    # The eye's own pictures lose float32 digits at 10^5 m; the reflections must not.
-    truth, frame = drawn(scene, "raytrace"), drawn(scene, "pervertex")
+    # The eye's own images lose float32 digits at 10^5 m; the reflections must not.
+    reference, frame = drawn(scene, "raytrace"), drawn(scene, "pervertex")
     defined(frame)
-    errors = measure(truth, frame)
+    errors = measure(reference, frame)
     assert errors.angular_mrad.median <= 2.0
     assert errors.angular_mrad.p95 <= 10.0
 
@@ -280,7 +284,7 @@ def inside_of_a_ball():
 
 
 @pytest.mark.parametrize("radius", [-10.0, -1.4, -0.9, -0.4])
-def test_a_concave_mirror_gets_a_defined_picture(radius):
+def test_a_concave_mirror_gets_a_defined_image(radius):
     scene = scene_with(spherical_mirror(radius))
     frame = drawn(scene, "pervertex")
     defined(frame)
@@ -289,13 +293,13 @@ def test_a_concave_mirror_gets_a_defined_picture(radius):
 
 
 @pytest.mark.parametrize("position", [(0.0, 0.5, 0.0), (0.3, 0.7, 1.0)])
-def test_an_eye_inside_a_mirror_ball_gets_a_defined_picture(position):
+def test_an_eye_inside_a_mirror_ball_gets_a_defined_image(position):
     """All reflected rays, or all normals, cancel out in the mean."""
     camera = Camera(position, (0.0, 0.4, -1.0))
     defined(drawn(scene_with(inside_of_a_ball(), camera=camera), "pervertex"))
 
 
-def test_rays_or_normals_that_cancel_out_exactly_get_a_defined_picture():
+def test_rays_or_normals_that_cancel_out_exactly_get_a_defined_image():
     """In the middle of a cube of mirrors, with no triangle wholly ahead, the mean ray and normal are zero."""
     shape = box((-2.0, -2.0, -2.0), (2.0, 2.0, 2.0))
     room = replace(shape, normals=-shape.normals, faces=shape.faces[:, ::-1]).mesh("mirror", Mirror())
@@ -328,9 +332,9 @@ def test_a_whole_ball_has_maps_for_all_its_rays(position):
     defined(frame)
     assert (frame.status != Status.OUTSIDE).all()
     if position[2] < 1e4:
-        truth, refined = drawn(scene, "raytrace"), drawn(scene, "pervertex:refine=3")
+        reference, refined = drawn(scene, "raytrace"), drawn(scene, "pervertex:refine=3")
         for each, median, p95 in ((frame, 1.0, 2.0), (refined, 0.05, 0.1)):
-            errors = measure(truth, each)
+            errors = measure(reference, each)
             assert errors.pixels.median <= median
             assert errors.pixels.p95 <= p95
             assert errors.other_object_percent <= 2.0

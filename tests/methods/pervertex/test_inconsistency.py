@@ -1,4 +1,4 @@
-"""The overlays: what of a picture with a pole before its mirror or behind its lens is doubted, against the truth."""
+"""The overlays: what of an image with a pole before its mirror or behind its lens is doubted, against the truth."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from anamorph.methods.stage import Stage
 from anamorph.scene.camera import Camera
 from anamorph.scene.model import Diffuse, Scene
 
-PICTURE = (400, 300)
+IMAGE = (400, 300)
 POLE = box((0.02, 0.0, 0.28), (0.05, 1.2, 0.31)).mesh("pole", Diffuse((0.9, 0.7, 0.1)))
 
 
@@ -47,18 +47,18 @@ def marked_and_wrong(scene, options):
 
     Between an error of 0.8 and one of 1.2 pixels they are neither.
     """
-    truth, plain = drawn(scene, "raytrace", PICTURE), drawn(scene, f"pervertex:{options}", PICTURE)
-    shown = drawn(scene, f"pervertex:{options},overlay=inconsistency", PICTURE)
+    reference, plain = drawn(scene, "raytrace", IMAGE), drawn(scene, f"pervertex:{options}", IMAGE)
+    shown = drawn(scene, f"pervertex:{options},overlay=inconsistency", IMAGE)
     assert (shown.position == plain.position).all() and (shown.status == plain.status).all()
-    errors = measure(truth, plain)
-    rows, columns = np.mgrid[: PICTURE[1], : PICTURE[0]] + 0.5
-    counted = errors.maps.specular & ~silhouettes(truth.object_id, truth.specular) & (plain.specular > 0)
+    errors = measure(reference, plain)
+    rows, columns = np.mgrid[: IMAGE[1], : IMAGE[0]] + 0.5
+    counted = errors.maps.specular & ~silhouettes(reference.object_id, reference.specular) & (plain.specular > 0)
     # A lens's edge, which is seen through the glass, is not in the map.
-    counted &= ~np.isin(truth.object_id, [i + 1 for i, mesh in enumerate(scene.meshes) if "edge" in mesh.name])
-    for x, y in pixels_of(scene.camera, PICTURE, vertices_of(scene)):
+    counted &= ~np.isin(reference.object_id, [i + 1 for i, mesh in enumerate(scene.meshes) if "edge" in mesh.name])
+    for x, y in pixels_of(scene.camera, IMAGE, vertices_of(scene)):
         counted &= np.hypot(columns - x, rows - y) > 5.0
     marked = np.abs(shown.color - plain.color).max(axis=-1) > 1e-3
-    other = truth.object_id != plain.object_id
+    other = reference.object_id != plain.object_id
     wrong, right = (errors.maps.pixels > 1.2) | other, (errors.maps.pixels < 0.8) & ~other
     assert counted.sum() > 5000
     return marked[counted], wrong[counted], right[counted]
@@ -89,7 +89,7 @@ def test_the_sky_hides_nothing():
     assert marked[right].mean() <= 0.001
 
 
-def test_before_a_hollow_mirror_the_near_map_is_asked_too():
+def test_before_a_concave_mirror_the_near_map_is_asked_too():
     pole = box((0.12, 0.0, 0.28), (0.15, 1.2, 0.31)).mesh("pole", Diffuse((0.9, 0.7, 0.1)))
     marked, wrong, right = marked_and_wrong(with_pole(spherical_mirror(-1.4, 16), pole=pole), "refine=3")
     assert wrong.sum() >= 100
@@ -143,8 +143,8 @@ def test_balls_tell_which_vertices_are_consistent():
     drawing = PerVertexDrawing(Stage(View(scene, CAMERA, SIZE)), Options())
     (seen,) = drawing.plan(CAMERA).seen
     hidden = inconsistent_vertices(seen, drawing.surroundings)
-    frame = drawn(scene, "pervertex:overlay=inconsistency", PICTURE)
-    places = pixels_of(CAMERA, PICTURE, vertices_of(scene))
+    frame = drawn(scene, "pervertex:overlay=inconsistency", IMAGE)
+    places = pixels_of(CAMERA, IMAGE, vertices_of(scene))
     visible = np.array([frame.specular[int(y), int(x)] > 0 for x, y in places])
     colors = np.array([frame.color[int(y), int(x)] for x, y in places])
     blue = (colors[:, 2] > 3.0 * colors[:, 0]) & (colors[:, 2] > 3.0 * colors[:, 1])

@@ -33,48 +33,48 @@ def built_in(name: str, specification: str) -> Frame:
     return drawn(make(name), specification, SIZE)
 
 
-def inner(truth: Frame) -> np.ndarray:
-    return (truth.specular > 0) & ~silhouettes(truth.object_id, truth.specular)
+def inner(reference: Frame) -> np.ndarray:
+    return (reference.specular > 0) & ~silhouettes(reference.object_id, reference.specular)
 
 
 @pytest.mark.parametrize("name", BUILT_IN)
 @pytest.mark.parametrize("specification", METHODS)
 def test_built_in_lenses_are_right_to_a_twentieth_of_a_pixel(name, specification):
-    truth, frame = built_in(name, "raytrace"), built_in(name, specification)
-    errors = measure(truth, frame)
+    reference, frame = built_in(name, "raytrace"), built_in(name, specification)
+    errors = measure(reference, frame)
     assert errors.pixels.median <= 0.02
     assert errors.pixels.p95 <= 0.05
     assert errors.pixels.max <= 0.1
     # A gap between two books is narrower than a pixel: the truth's silhouettes do not know of it, and a map shows it.
     number = {mesh.name: index + 1 for index, mesh in enumerate(make(name).meshes)}
-    gaps = errors.maps.other_object & (truth.object_id == number.get("books"))
+    gaps = errors.maps.other_object & (reference.object_id == number.get("books"))
     assert gaps.sum() <= 0.004 * errors.maps.specular.sum()
     assert (errors.maps.other_object & ~gaps).sum() <= 1
 
 
 @pytest.mark.parametrize("name", BUILT_IN)
 def test_no_pixel_of_a_lens_goes_without_an_answer(name):
-    truth, frame = built_in(name, "raytrace"), built_in(name, "pervertex")
+    reference, frame = built_in(name, "raytrace"), built_in(name, "pervertex")
     assert (frame.status[frame.specular > 0] == Status.OUTSIDE).mean() <= 1e-3
-    away = ~silhouettes(truth.specular)
-    assert (frame.specular == truth.specular)[away].all()
+    away = ~silhouettes(reference.specular)
+    assert (frame.specular == reference.specular)[away].all()
 
 
 @pytest.mark.parametrize("name", BUILT_IN)
 def test_built_in_lenses_have_the_truths_colours_where_these_are_smooth(name):
-    truth, frame = built_in(name, "raytrace"), built_in(name, "pervertex:refine=2")
-    same_colors(truth, frame)
+    reference, frame = built_in(name, "raytrace"), built_in(name, "pervertex:refine=2")
+    same_colors(reference, frame)
 
 
-def same_colors(truth: Frame, frame: Frame) -> None:
+def same_colors(reference: Frame, frame: Frame) -> None:
     """Where the truth hardly changes from pixel to pixel, or to its diagonal neighbours, the frame is alike."""
-    smooth = inner(truth)
+    smooth = inner(reference)
     for row, column in ((0, 1), (1, 0), (1, 1), (1, -1)):
         for step in (-1, 1):
-            moved = np.roll(truth.color, (step * row, step * column), (0, 1))
-            smooth &= np.abs(moved - truth.color).max(axis=-1) < 0.02
+            moved = np.roll(reference.color, (step * row, step * column), (0, 1))
+            smooth &= np.abs(moved - reference.color).max(axis=-1) < 0.02
     assert smooth.sum() > 500
-    difference = np.abs(frame.color - truth.color)[smooth]
+    difference = np.abs(frame.color - reference.color)[smooth]
     assert np.percentile(difference, 95) <= 0.005
     assert np.percentile(difference, 99.5) <= 0.03
 
@@ -83,11 +83,11 @@ def test_the_edge_band_is_the_edge_and_has_its_colour():
     """Seen through the back, the far rim of a minus lens is a broad band."""
     scene = make("spectacles-minus")
     number = next(index for index, mesh in enumerate(scene.meshes) if mesh.name.endswith("/edge")) + 1
-    truth, frame = (built_in("spectacles-minus", name) for name in ("raytrace", "pervertex"))
-    band = inner(truth) & (truth.object_id == number)
+    reference, frame = (built_in("spectacles-minus", name) for name in ("raytrace", "pervertex"))
+    band = inner(reference) & (reference.object_id == number)
     assert band.sum() > 1500
     assert (frame.object_id[band] == number).mean() >= 0.998
-    difference = (frame.color - truth.color)[band & (frame.object_id == number)]
+    difference = (frame.color - reference.color)[band & (frame.object_id == number)]
     assert np.percentile(np.abs(difference), 99) <= 0.01
     # Within the edge the rays have not been bent by the far face: where they meet it is not where the truth's do.
     assert (frame.status[band & (frame.object_id == number)] == Status.WARPED).all()
@@ -97,11 +97,11 @@ def test_the_edge_band_is_the_edge_and_has_its_colour():
 def test_tint_and_fresnels_share_are_the_truths(tint):
     """Light crosses two faces to the scene, and one to the edge."""
     scene = scene_of(lens_of(MINUS, tint))
-    truth, frame = drawn(scene, "raytrace", SIZE), drawn(scene, "pervertex", SIZE)
-    same_colors(truth, frame)
-    edge = inner(truth) & (truth.object_id == 3) & (frame.object_id == 3)
+    reference, frame = drawn(scene, "raytrace", SIZE), drawn(scene, "pervertex", SIZE)
+    same_colors(reference, frame)
+    edge = inner(reference) & (reference.object_id == 3) & (frame.object_id == 3)
     assert edge.sum() > 100
-    assert np.percentile(np.abs(frame.color - truth.color)[edge], 95) <= 0.006
+    assert np.percentile(np.abs(frame.color - reference.color)[edge], 95) <= 0.006
 
 
 @pytest.fixture(scope="module")
@@ -115,23 +115,23 @@ def dome():
 
 
 def test_total_reflection_says_so_where_it_happens(dome):
-    truth, frame = dome
+    reference, frame = dome
     defined(frame)
-    total = (truth.status == Status.TOTAL_REFLECTION) & (truth.specular > 0)
-    away = ~silhouettes(total.astype(int), truth.specular)
+    total = (reference.status == Status.TOTAL_REFLECTION) & (reference.specular > 0)
+    away = ~silhouettes(total.astype(int), reference.specular)
     for _ in range(3):
         away = ~silhouettes((~away).astype(int)) & away
-    assert (total & away).sum() > 1000 and (~total & away & (truth.specular > 0)).sum() > 3000
+    assert (total & away).sum() > 1000 and (~total & away & (reference.specular > 0)).sum() > 3000
     assert (frame.status[total & away & (frame.object_id == 3)] == Status.TOTAL_REFLECTION).mean() > 0.9
     assert (frame.specular[total & away] > 0).all()
-    passed = ~total & away & (truth.specular > 0) & (truth.object_id != 3)
+    passed = ~total & away & (reference.specular > 0) & (reference.object_id != 3)
     assert (frame.status[passed] == Status.TOTAL_REFLECTION).mean() <= 0.02
 
 
 def test_what_is_not_totally_reflected_is_right(dome):
-    truth, frame = dome
-    errors = measure(truth, frame)
-    passed = inner(truth) & (truth.status != Status.TOTAL_REFLECTION) & (truth.object_id != 3)
+    reference, frame = dome
+    errors = measure(reference, frame)
+    passed = inner(reference) & (reference.status != Status.TOTAL_REFLECTION) & (reference.object_id != 3)
     passed &= frame.status != Status.TOTAL_REFLECTION
     assert passed.sum() > 3000
     assert np.median(errors.maps.pixels[passed]) <= 0.3
@@ -140,7 +140,7 @@ def test_what_is_not_totally_reflected_is_right(dome):
 
 VIEWS = {
     "front": (Camera((0.05, 0.55, 0.0), (0.0, 0.5, 0.4), field_of_view=24.0), 0.5),
-    "aslant": (Camera((0.12, 0.58, 0.52), (0.0, 0.5, 0.4), field_of_view=30.0), 0.6),
+    "oblique": (Camera((0.12, 0.58, 0.52), (0.0, 0.5, 0.4), field_of_view=30.0), 0.6),
     "aside": (Camera((0.3, 0.55, 0.43), (0.0, 0.5, 0.4), field_of_view=20.0), None),
     "in the plane of the lens": (Camera((0.3, 0.52, 0.401), (0.0, 0.5, 0.4), field_of_view=20.0), None),
     "near": (Camera((0.0, 0.5, 0.412), (0.0, 0.5, 0.0), field_of_view=70.0), 0.7),
@@ -150,26 +150,26 @@ VIEWS = {
 
 
 @pytest.mark.parametrize("name", VIEWS)
-def test_an_eye_anywhere_gets_a_defined_picture(name):
+def test_an_eye_anywhere_gets_a_defined_image(name):
     camera, bound = VIEWS[name]
     scene = scene_of(lens_of(MINUS), camera=camera)
     frame = drawn(scene, "pervertex", SIZE)
     defined(frame)
     if bound is not None:
-        truth = drawn(scene, "raytrace", SIZE)
-        counted = inner(truth) & (truth.status != Status.TOTAL_REFLECTION) & (truth.object_id != 3)
+        reference = drawn(scene, "raytrace", SIZE)
+        counted = inner(reference) & (reference.status != Status.TOTAL_REFLECTION) & (reference.object_id != 3)
         assert counted.sum() > 500
         # A triangle with one corner that reflects totally shows the edge.
         assert (frame.status[counted] == Status.TOTAL_REFLECTION).mean() <= 0.02
         counted &= frame.status != Status.TOTAL_REFLECTION
-        errors = measure(truth, frame).maps
+        errors = measure(reference, frame).maps
         assert np.percentile(errors.pixels[counted], 95) <= bound
-        assert (frame.object_id != truth.object_id)[counted].mean() <= 0.01
+        assert (frame.object_id != reference.object_id)[counted].mean() <= 0.01
 
 
 @pytest.mark.parametrize(("distance", "field_of_view"), [(0.004, 90.0), (0.014, 40.0)])
 def test_a_tolerance_holds_for_an_eye_as_near_as_spectacles_or_nearer(distance, field_of_view):
-    """A triangle of the lens is then as wide as a good part of the picture, and rays turn much on it."""
+    """A triangle of the lens is then as wide as a good part of the image, and rays turn much on it."""
     camera = Camera((0.0, 0.5, 0.4 + distance), (0.0, 0.5, 0.0), field_of_view=field_of_view)
     scene = scene_of(lens_of(MINUS), camera=camera)
     errors = measure(drawn(scene, "raytrace", SIZE), drawn(scene, "pervertex:tolerance=0.5", SIZE))
@@ -180,16 +180,16 @@ def test_a_tolerance_holds_for_an_eye_as_near_as_spectacles_or_nearer(distance, 
 def test_a_mirror_is_seen_through_a_lens():
     mirror = plane_mirror("mirror", (-0.6, 0.1, -0.1), (1.0, 0.0, 0.5), (0.0, 0.8, 0.0))
     scene = scene_of(lens_of(MINUS), mirror)
-    truth = drawn(scene, "raytrace", SIZE)
-    lens = inner(truth) & (truth.specular == 2) & (truth.status != Status.TOTAL_REFLECTION)
-    behind = np.isin(truth.object_id, [6, 11])
-    errors = measure(truth, drawn(scene, "pervertex", SIZE)).maps
+    reference = drawn(scene, "raytrace", SIZE)
+    lens = inner(reference) & (reference.specular == 2) & (reference.status != Status.TOTAL_REFLECTION)
+    behind = np.isin(reference.object_id, [6, 11])
+    errors = measure(reference, drawn(scene, "pervertex", SIZE)).maps
     assert (lens & behind).sum() > 1000
     # The mirror in the lens's map is seen from the map's viewpoint, and not along the rays.
     assert np.median(errors.pixels[lens & behind]) <= 0.6
     assert np.percentile(errors.pixels[lens & behind], 95) <= 1.5
     blind = drawn(scene, "pervertex:bounces=2", SIZE)
-    assert (blind.object_id[lens & behind] != truth.object_id[lens & behind]).mean() > 0.99
+    assert (blind.object_id[lens & behind] != reference.object_id[lens & behind]).mean() > 0.99
 
 
 @pytest.mark.parametrize("side", [1.0, -1.0])
@@ -199,13 +199,17 @@ def test_a_lens_is_seen_in_a_mirror(side):
     lens = make_lens(prescription, (-0.08, 0.42, 0.28), (-0.3 * side, 0.0, side))
     camera = Camera((0.25, 0.65, 0.9), (-0.03, 0.47, 0.0), field_of_view=9.0)
     scene = Scene("lens", (mirror, *lens.meshes, *walls()), camera)
-    truth, frame = drawn(scene, "raytrace", SIZE), drawn(scene, "pervertex", SIZE)
+    reference, frame = drawn(scene, "raytrace", SIZE), drawn(scene, "pervertex", SIZE)
     blind = drawn(replace(scene, meshes=(mirror, *walls())), "pervertex:bounces=1", SIZE)
-    # What only the lens changes: without it the mirror's picture is exact.
-    bent = inner(truth) & (truth.specular == 1) & (np.linalg.norm(blind.position - truth.position, axis=-1) > 1e-3)
+    # What only the lens changes: without it the mirror's image is exact.
+    bent = (
+        inner(reference)
+        & (reference.specular == 1)
+        & (np.linalg.norm(blind.position - reference.position, axis=-1) > 1e-3)
+    )
     assert bent.sum() > 100
-    close = np.linalg.norm(frame.position - truth.position, axis=-1) < 0.03
-    assert (close & (frame.object_id == truth.object_id))[bent].mean() > 0.8
+    close = np.linalg.norm(frame.position - reference.position, axis=-1) < 0.03
+    assert (close & (frame.object_id == reference.object_id))[bent].mean() > 0.8
 
 
 @pytest.fixture(scope="module")
@@ -218,11 +222,11 @@ def dispersed():
 
 
 @pytest.mark.parametrize("channel", [0, 1, 2])
-def test_each_channel_is_the_picture_through_glass_of_that_one_index(dispersed, channel):
+def test_each_channel_is_the_image_through_glass_of_that_one_index(dispersed, channel):
     whole, *single = (frame.color[..., channel] for frame in dispersed)
     shown = dispersed[0].specular > 0
     difference = np.abs(whole - single[channel])[shown]
-    # Pictures are half floats, of which this is two steps below 1.
+    # Images are half floats, of which this is two steps below 1.
     assert np.median(difference) <= 1e-3
     # Edges differ by how the maps' texels lie.
     assert np.percentile(difference, 95) <= 0.05
@@ -250,8 +254,8 @@ def test_only_glass_with_an_abbe_number_makes_fringes():
     )
     assert np.ptp(plain, axis=-1).max() <= 1e-6
     assert (np.ptp(coloured, axis=-1) > 0.05).sum() > 200
-    truth = drawn(grey(scene_of(lens_of(MINUS, abbe=20.0))), "raytrace", SIZE).color
-    fringes = [np.subtract(*np.moveaxis(color[..., [0, 2]], -1, 0)) for color in (coloured, truth)]
+    reference = drawn(grey(scene_of(lens_of(MINUS, abbe=20.0))), "raytrace", SIZE).color
+    fringes = [np.subtract(*np.moveaxis(color[..., [0, 2]], -1, 0)) for color in (coloured, reference)]
     strong = np.abs(fringes[1]) > 0.1
     assert (np.sign(fringes[0]) == np.sign(fringes[1]))[strong].mean() > 0.95
 

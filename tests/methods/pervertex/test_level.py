@@ -29,6 +29,6 @@ def test_a_lens_hands_on_the_rays_of_each_colour(abbe, colors):
     for number, each in enumerate((body_rays.rays, *body_rays.others)):
         corners = each.faces[faces]
         assert rays[:, :, number, 0, :3].tolist() == each.origins[corners].tolist()
-        assert rays[:, :, number, 0, 3].tolist() == each.share[corners].tolist()
+        assert rays[:, :, number, 0, 3].tolist() == each.transmittance[corners].tolist()
         assert rays[:, :, number, 1, :3].tolist() == each.directions[corners].tolist()
         assert (rays[:, :, number, 1, 3] == (each.status[corners] == RayStatus.TOTAL_REFLECTION)).all()

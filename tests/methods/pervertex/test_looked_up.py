@@ -34,7 +34,7 @@ def drawn_texels(session):
 
 @pytest.mark.parametrize("name", ["car-mirror", "magnifier", "curvature-series", "spheres"])
 @pytest.mark.parametrize("options", ["", "resolution=0.2", "resolution=3,projective=false"])
-def test_the_picture_is_that_of_whole_maps(name, options, monkeypatch):
+def test_the_image_is_that_of_whole_maps(name, options, monkeypatch):
     """Bit for bit: mirrors and lenses, with one map and two, convex and closed, with mirrors in their maps."""
     bounded = opened(name, f"pervertex:{options}")
     monkeypatch.setattr(PerVertexDrawing, "leave_out", None)

@@ -1,4 +1,4 @@
-"""Concave mirrors: what stands before the crossing of the rays is in the picture, refined or not."""
+"""Concave mirrors: what stands before the crossing of the rays is in the image, refined or not."""
 
 from __future__ import annotations
 
@@ -13,10 +13,10 @@ from anamorph.gallery.curvature_series import one_mirror
 def test_what_stands_before_the_crossing_is_seen_upright_in_colour(options):
     scene = one_mirror(-0.5)
     pawn = 1 + next(number for number, mesh in enumerate(scene.meshes) if mesh.name.endswith("pawn"))
-    truth = an.render(scene, method="raytrace", size=(200, 150), seen=True)
+    reference = an.render(scene, method="raytrace", size=(200, 150), seen=True)
     shown = an.render(scene, method="pervertex", size=(200, 150), **options).color
-    assert truth.specular is not None and truth.object_id is not None
-    reflected = (truth.specular > 0) & (truth.object_id == pawn)
+    assert reference.specular is not None and reference.object_id is not None
+    reflected = (reference.specular > 0) & (reference.object_id == pawn)
     assert reflected.sum() > 30
-    wrong = np.abs(shown - truth.color)[reflected].max(axis=1) > 0.1
+    wrong = np.abs(shown - reference.color)[reflected].max(axis=1) > 0.1
     assert wrong.mean() < 0.4

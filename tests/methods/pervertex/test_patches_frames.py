@@ -25,9 +25,9 @@ def ball(specification: str) -> Frame:
 @pytest.mark.parametrize("name", ["spheres", "torus"])
 def test_closed_reflectors_are_shown_whole(name):
     scene = make(name)
-    truth, frame = (drawn(scene, method, SIZE) for method in ("raytrace:bounces=1", "pervertex:bounces=1"))
-    inner = (truth.specular > 0) & ~silhouettes(truth.object_id, truth.specular)
-    ends = np.isin(truth.object_id, np.unique(truth.specular[truth.specular > 0]))
+    reference, frame = (drawn(scene, method, SIZE) for method in ("raytrace:bounces=1", "pervertex:bounces=1"))
+    inner = (reference.specular > 0) & ~silhouettes(reference.object_id, reference.specular)
+    ends = np.isin(reference.object_id, np.unique(reference.specular[reference.specular > 0]))
     assert (inner & ~ends).sum() > 200
     assert (frame.status[inner & ~ends] == Status.OUTSIDE).mean() <= 0.005
 
@@ -36,7 +36,7 @@ def patches(field: str) -> int:
     """How many maps the ball gets."""
     session = open_view(BALL, f"pervertex{field}", (200, 150))
     session.draw(BALL.camera)
-    return len(session.diagnostics()["picture"].draws)
+    return len(session.diagnostics()["image"].draws)
 
 
 def test_the_ball_is_divided_the_more_the_smaller_the_field():
@@ -45,10 +45,10 @@ def test_the_ball_is_divided_the_more_the_smaller_the_field():
 
 
 @pytest.mark.parametrize("field", [40, 70, 140])
-def test_the_size_of_patches_does_not_change_the_picture(field):
+def test_the_size_of_patches_does_not_change_the_image(field):
     """More than a pixel at most where the truth, too, jumps from pixel to pixel."""
-    truth, frame, other = ball("raytrace"), ball("pervertex:refine=2"), ball(f"pervertex:refine=2,field={field}")
-    errors = measure(truth, frame).maps, measure(truth, other).maps
+    reference, frame, other = ball("raytrace"), ball("pervertex:refine=2"), ball(f"pervertex:refine=2,field={field}")
+    errors = measure(reference, frame).maps, measure(reference, other).maps
     inner = errors[0].specular & ~errors[0].silhouette & (frame.status != Status.OUTSIDE)
     inner &= other.status != Status.OUTSIDE
     assert inner.sum() > 2000
@@ -59,20 +59,21 @@ def test_the_size_of_patches_does_not_change_the_picture(field):
 
 def test_the_seen_directions_do_not_jump_at_the_borders_of_patches():
     """From pixel to pixel the seen point moves by as much as in the truth, across borders as elsewhere."""
-    truth, frame = ball("raytrace"), ball("pervertex:field=50")
-    origin = truth.ray_origin.astype(float)
+    reference, frame = ball("raytrace"), ball("pervertex:field=50")
+    origin = reference.ray_origin.astype(float)
 
     def directions(seen: Frame) -> np.ndarray:
         points = seen.position.astype(float)
         return normalized(np.where((seen.object_id > 0)[..., None], points - origin, points))
 
-    inner = (truth.specular > 0) & ~silhouettes(truth.object_id, truth.specular)
-    inner &= (frame.object_id == truth.object_id) & (frame.status != Status.OUTSIDE)
+    inner = (reference.specular > 0) & ~silhouettes(reference.object_id, reference.specular)
+    inner &= (frame.object_id == reference.object_id) & (frame.status != Status.OUTSIDE)
     jumps = []
     for axis in (0, 1):
         both = inner & np.roll(inner, -1, axis)
         true, shown = (
-            angles_between(way[both], np.roll(way, -1, axis)[both]) for way in (directions(truth), directions(frame))
+            angles_between(way[both], np.roll(way, -1, axis)[both])
+            for way in (directions(reference), directions(frame))
         )
         jumps.append(np.abs(true - shown) / np.maximum(true, 1e-3))
     jumps = np.concatenate(jumps)

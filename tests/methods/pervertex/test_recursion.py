@@ -27,33 +27,39 @@ def numbers(name: str, *starts: str) -> list[int]:
 @pytest.mark.parametrize(("depth", "alike", "exact"), [(2, 0.9995, 0.985), (6, 0.998, 0.92)])
 def test_facing_mirrors_are_right_to_every_depth(depth, alike, exact):
     """Flat mirrors in flat mirrors; a path that meets more of them ends at the next one, for rays and maps alike."""
-    truth, frame = (built_in("facing-mirrors", f"{name}:bounces={depth}") for name in ("raytrace", "pervertex"))
-    errors = measure(truth, frame).maps
+    reference, frame = (built_in("facing-mirrors", f"{name}:bounces={depth}") for name in ("raytrace", "pervertex"))
+    errors = measure(reference, frame).maps
     away = errors.specular & ~errors.silhouette
-    same = frame.object_id == truth.object_id
+    same = frame.object_id == reference.object_id
     # What differs lies beside an edge: half a texel of the map away from it.
-    wide = silhouettes(silhouettes(truth.object_id).astype(int))
+    wide = silhouettes(silhouettes(reference.object_id).astype(int))
     assert same[away & ~wide].mean() >= alike
     # Ends of paths are interpolated between texels, but not over the creases and steps within one object.
     assert (errors.pixels[away & same] <= 0.01).mean() >= exact
-    once = (truth.specular > 0) & (built_in("facing-mirrors", "raytrace:bounces=1").object_id == truth.object_id)
+    once = (reference.specular > 0) & (
+        built_in("facing-mirrors", "raytrace:bounces=1").object_id == reference.object_id
+    )
     assert np.percentile(errors.pixels[away & same & once], 95) <= 1e-3
-    assert (frame.specular == truth.specular)[away].all()
+    assert (frame.specular == reference.specular)[away].all()
 
 
 def test_what_is_deeper_than_the_limit_ends_at_a_mirror():
     mirrors = numbers("facing-mirrors", "mirror")
-    truth, frame = (built_in("facing-mirrors", f"{name}:bounces=2") for name in ("raytrace", "pervertex"))
-    beyond = (truth.specular > 0) & np.isin(truth.object_id, mirrors) & ~silhouettes(truth.object_id, truth.specular)
+    reference, frame = (built_in("facing-mirrors", f"{name}:bounces=2") for name in ("raytrace", "pervertex"))
+    beyond = (
+        (reference.specular > 0)
+        & np.isin(reference.object_id, mirrors)
+        & ~silhouettes(reference.object_id, reference.specular)
+    )
     assert beyond.sum() > 500
     assert np.isin(frame.object_id[beyond], mirrors).mean() > 0.98
     assert (frame.status[beyond] == Status.OUTSIDE).mean() > 0.98
 
 
 def test_each_bounce_shows_more_of_the_tunnel():
-    truth = built_in("facing-mirrors", "raytrace:bounces=8")
+    reference = built_in("facing-mirrors", "raytrace:bounces=8")
     wrong = [
-        measure(truth, built_in("facing-mirrors", f"pervertex:bounces={depth}")).other_object_percent
+        measure(reference, built_in("facing-mirrors", f"pervertex:bounces={depth}")).other_object_percent
         for depth in (1, 2, 4, 6)
     ]
     assert wrong[0] > wrong[1] > wrong[2] >= wrong[3]
@@ -62,20 +68,20 @@ def test_each_bounce_shows_more_of_the_tunnel():
 
 def test_the_windows_in_the_mirror_show_the_town():
     size, mirror = (400, 300), numbers("car-windows", "mirror")
-    truth, once = (built_in("car-windows", name, size) for name in ("raytrace", "raytrace:bounces=1"))
+    reference, once = (built_in("car-windows", name, size) for name in ("raytrace", "raytrace:bounces=1"))
     frame, blind = (built_in("car-windows", f"pervertex:refine=2,bounces={depth}", size) for depth in (2, 1))
     panes = [index + 1 for index, mesh in enumerate(make("car-windows").meshes) if mesh.name.endswith("-window")]
-    windows = np.isin(truth.specular, mirror) & np.isin(once.object_id, panes)
-    windows &= ~silhouettes(truth.object_id, truth.specular, once.object_id)
+    windows = np.isin(reference.specular, mirror) & np.isin(once.object_id, panes)
+    windows &= ~silhouettes(reference.object_id, reference.specular, once.object_id)
     assert windows.sum() > 1000
-    errors = measure(truth, frame).maps
+    errors = measure(reference, frame).maps
     # The town in a window is seen from the map's viewpoint, and not along the rays.
     assert np.percentile(errors.pixels[windows], 95) <= 1.0
-    assert (frame.object_id == truth.object_id)[windows].mean() >= 0.99
+    assert (frame.object_id == reference.object_id)[windows].mean() >= 0.99
     assert np.isin(blind.object_id[windows], panes).all()
     assert (blind.status[windows] == Status.OUTSIDE).all()
     # What the map shows in their place then is the sky: more blue than red, as the town is not.
-    town = truth.object_id[windows] > 0
+    town = reference.object_id[windows] > 0
     assert (blind.color[windows][town][:, 2] > blind.color[windows][town][:, 0]).mean() > 0.95
 
 
@@ -84,8 +90,8 @@ def test_no_map_shows_its_own_mirror():
     for name, mirror in (("car-windows", "mirror"), ("spheres", "mirror-ball")):
         own = numbers(name, mirror)
         frame = built_in(name, "pervertex:refine=2" if name == "car-windows" else "pervertex")
-        truth = built_in(name, "raytrace")
-        looks = np.isin(frame.specular, own) & np.isin(truth.specular, own)
+        reference = built_in(name, "raytrace")
+        looks = np.isin(frame.specular, own) & np.isin(reference.specular, own)
         assert looks.sum() > 500, (name, [mesh.name for mesh in make(name).meshes])
         # A mirror in it may show it again, for want of bounces.
         looks &= frame.status != Status.OUTSIDE

@@ -24,12 +24,12 @@ CURVED = scene_with(spherical_mirror(count=6))
 
 
 @pytest.fixture(scope="module")
-def truth():
+def reference():
     return drawn(CURVED, "raytrace")
 
 
-def test_one_step_reaches_the_truth(truth):
-    plain, refined = (measure(truth, drawn(CURVED, f"pervertex:refine={steps}")) for steps in (0, 1))
+def test_one_step_reaches_the_truth(reference):
+    plain, refined = (measure(reference, drawn(CURVED, f"pervertex:refine={steps}")) for steps in (0, 1))
     assert refined.pixels.median <= 0.01
     assert refined.pixels.p95 <= 0.05
     assert plain.pixels.p95 >= 10.0 * refined.pixels.p95
@@ -49,12 +49,12 @@ def test_a_flat_mirror_has_nothing_to_refine():
 
 
 @pytest.mark.parametrize("specification", ["pervertex", "pervertex:refine=1", "environment"])
-def test_the_deviation_is_the_angle_to_the_truths_ray(truth, specification):
+def test_the_deviation_is_the_angle_to_the_truths_ray(reference, specification):
     """What a method knows of its error is its error, for its own ray is the truth's."""
     frame = drawn(CURVED, specification)
-    mirror = (truth.specular > 0) & (frame.specular > 0) & (frame.status != Status.OUTSIDE)
+    mirror = (reference.specular > 0) & (frame.specular > 0) & (frame.status != Status.OUTSIDE)
     origins, rays, points = (
-        buffer[mirror].astype(float) for buffer in (truth.ray_origin, truth.ray_direction, frame.position)
+        buffer[mirror].astype(float) for buffer in (reference.ray_origin, reference.ray_direction, frame.position)
     )
     angles = angles_between(normalized(rays), seen_directions(origins, points, frame.object_id[mirror]))
     # An environment map's own rays leave the flat triangles; the truth's leave the sphere.
@@ -62,14 +62,14 @@ def test_the_deviation_is_the_angle_to_the_truths_ray(truth, specification):
     assert np.abs(frame.deviation[mirror] - angles).max() < bound
 
 
-def test_direct_pixels_and_the_reference_do_not_deviate(truth):
-    assert not truth.deviation.any()
+def test_direct_pixels_and_the_reference_do_not_deviate(reference):
+    assert not reference.deviation.any()
     frame = drawn(CURVED, "pervertex")
     assert not frame.deviation[frame.specular == 0].any()
     assert frame.deviation[frame.specular > 0].any()
 
 
-def test_a_step_that_swings_between_surfaces_keeps_the_best(truth):
+def test_a_step_that_swings_between_surfaces_keeps_the_best(reference):
     """More steps never deviate more."""
     few, many = (drawn(CURVED, f"pervertex:refine={steps}") for steps in (1, 6))
     assert (many.deviation <= few.deviation + 1e-6).all()
@@ -127,13 +127,13 @@ def test_what_stands_between_is_not_missed(radius, count, half):
     assert (mended.object_id != reference.object_id)[wrong].mean() < 0.02
 
 
-def test_the_error_that_a_fragment_knows_is_the_measured_one(truth, monkeypatch):
+def test_the_error_that_a_fragment_knows_is_the_measured_one(reference, monkeypatch):
     monkeypatch.setattr(pervertex, "REFINEMENTS_BEFORE_TRACING", 0)
     monkeypatch.setattr(pervertex, "refined_scene", lambda scene, size, share: scene)
     session = open_view(CURVED, "pervertex:tolerance=0.001")
     session.draw(CURVED.camera)
     known = read_texture(session.diagnostics()["errors"])
-    maps = measure(truth, drawn(CURVED, "pervertex")).maps
+    maps = measure(reference, drawn(CURVED, "pervertex")).maps
     counted = maps.specular & ~maps.silhouette & (known < 1e3)
     assert counted.sum() > 0.8 * maps.specular.sum()
     # Neighbours in a quad share one difference where the measure takes that on both sides.
@@ -159,7 +159,7 @@ def test_what_frames_the_mirror_is_seen_where_a_tolerance_is_set():
     assert mended.other_object_percent < 0.1
 
 
-def test_the_mended_picture_has_the_reference_s_colours():
+def test_the_mended_image_has_the_reference_s_colours():
     scene = scene_with(BALL, *bars())
     reference, frame = drawn(scene, "raytrace"), drawn(scene, "pervertex:tolerance=0.5")
     traced = frame.status == Status.TRACED

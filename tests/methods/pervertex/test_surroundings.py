@@ -149,7 +149,7 @@ def test_rays_start_where_they_are_told():
     assert distances == pytest.approx([0.2, 1.0, 2.0]) and not met.any()
 
 
-def test_a_hider_stands_between_the_eye_and_the_point():
+def test_a_occluder_stands_between_the_eye_and_the_point():
     around = surroundings_of(flatten(scene_of(wall(0.0, "body"), cube((0.0, 0.0, 0.5)), cube((1.0, 0.0, -0.5)))))
     points = np.array([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0]])
     assert around.occluders(np.array([0.0, 0.0, 2.0]), points).tolist() == [2, 0]

@@ -77,7 +77,7 @@ def test_the_plan_is_the_papers_steps_in_double_precision():
     crossing = viewpoint + (((projection.eye - viewpoint) @ forward) / (lines @ forward))[:, None] * lines
     places = (crossing - projection.eye) @ axes.T
 
-    # (3.4): local coordinates of the picture, whose rectangle the map's own base, right and up span.
+    # (3.4): local coordinates of the image, whose rectangle the map's own base, right and up span.
     distance = (projection.eye - viewpoint) @ forward
     middle = (viewpoint + distance * projection.base - projection.eye) @ axes.T
     half = distance * np.array([np.linalg.norm(projection.right), np.linalg.norm(projection.up)])
@@ -109,7 +109,7 @@ def test_the_maps_resolution_follows_the_pixels_that_it_fills():
         sizes[size] = np.array(plan.texels[0])
     assert sizes[160, 120] == pytest.approx(2.0 * sizes[80, 60], rel=0.02)
     assert sizes[640, 480] == pytest.approx(4.0 * sizes[160, 120], rel=0.02)
-    # A flat mirror's map is the mirror's own picture: about as many texels as pixels.
+    # A flat mirror's map is the mirror's own image: about as many texels as pixels.
     flat = scene_with(flat_mirror(), camera=Camera((0, 0.5, 0.9), (0, 0.5, 0), field_of_view=32.0))
     _, plan = plan_of(flat)
     corners = pixels_of(flat.camera, SIZE, flat_mirror().positions)
@@ -127,8 +127,8 @@ def places_of(plan, number=0):
     return plan.lookups[number, :, :2] / plan.lookups[number, :, 2:3]
 
 
-def hollow(radius=-0.5, camera=CAMERA):
-    """A hollow mirror whose reflected rays cross among the boxes before it."""
+def concave(radius=-0.5, camera=CAMERA):
+    """A concave mirror whose reflected rays cross among the boxes before it."""
     return scene_with(spherical_mirror(radius), camera=camera)
 
 
@@ -143,7 +143,7 @@ CONCAVE = st.tuples(
 def test_hits_before_and_beyond_the_crossing_look_up_their_places_in_their_own_view(drawn):
     radius, position = drawn
     camera = Camera(position, tuple(CENTER.tolist()), field_of_view=32.0)
-    scene = hollow(radius, camera)
+    scene = concave(radius, camera)
     found = planned(scene)
     for plan in found.plans:
         if plan is None or len(plan.projections) < 2:
@@ -160,8 +160,8 @@ def test_hits_before_and_beyond_the_crossing_look_up_their_places_in_their_own_v
             assert (depth[seen] <= 1.0 + 1e-9).all() and (depth[seen] >= 0.0).all()
 
 
-def test_a_hollow_mirror_has_a_map_for_either_side_of_its_crossing():
-    _, plan = plan_of(hollow())
+def test_a_concave_mirror_has_a_map_for_either_side_of_its_crossing():
+    _, plan = plan_of(concave())
     beyond, before = plan.projections
     sides = np.sign(in_map(beyond, plan.hits)[2])
     assert (sides > 0.0).sum() > 20 and plan.lookups[0, :, 3].all()
@@ -192,10 +192,10 @@ def before_the_crossing_depth_rises_towards_the_mirror(scene):
     st.tuples(st.floats(-0.6, 0.6), st.floats(0.2, 1.0), st.floats(0.2, 3.0)),
 )
 @example(-0.25, (0.5220869085453218, 0.8526828432972258, 0.207667800476415))
-def test_before_its_crossing_what_is_nearer_to_a_hollow_mirror_is_in_front(radius, position):
+def test_before_its_crossing_what_is_nearer_to_a_concave_mirror_is_in_front(radius, position):
     """Also where the crossing lies within the bowl, lower than its foremost vertex, which hides others."""
     camera = Camera(position, tuple(CENTER.tolist()), field_of_view=32.0)
-    before_the_crossing_depth_rises_towards_the_mirror(hollow(radius, camera))
+    before_the_crossing_depth_rises_towards_the_mirror(concave(radius, camera))
 
 
 @pytest.mark.parametrize("position", [(0.265786, 0.620283, 0.324037), (0.466188, 0.705193, 0.369237)])
@@ -224,7 +224,7 @@ def test_hits_at_the_crossing_do_not_spread_the_map():
 
 
 def test_nothing_before_the_crossing_needs_no_second_map():
-    scene = hollow()
+    scene = concave()
     empty = Scene("far", (scene.meshes[0], scene.meshes[3]), CAMERA)
     _, plan = plan_of(empty)
     assert len(plan.projections) == 1
@@ -245,7 +245,7 @@ def test_a_maps_eye_looks_where_the_map_does(radius, aside, distance):
     for projection, eye in maps:
         _, places, w = in_map(projection, points)
         inside = (w > 1e-3) & (np.abs(places - 0.5) < 0.5).all(axis=1)
-        x, y, depth = eye.picture(points[inside]).T
+        x, y, depth = eye.image(points[inside]).T
         assert np.stack([x / depth, y / depth], axis=-1) == pytest.approx(places[inside] * size, abs=1e-6)
         across, up = 2.0 * places[inside, :1] - 1.0, 1.0 - 2.0 * places[inside, 1:]
         looks = projection.base + across * projection.right + up * projection.up

@@ -144,7 +144,7 @@ def test_several_bands_give_the_same_frame(traced, monkeypatch, rows):
 
 
 def test_a_scene_without_a_mirror_is_drawn_directly():
-    scene = Scene("matt", surroundings(), CAMERA)
+    scene = Scene("diffuse", surroundings(), CAMERA)
     frame, other = drawn(scene, "raytrace"), drawn(scene, "pervertex")
     assert (frame.specular == 0).all()
     assert (frame.ray_origin == np.float32(CAMERA.position)).all()
@@ -152,7 +152,7 @@ def test_a_scene_without_a_mirror_is_drawn_directly():
         assert (getattr(frame, name) == getattr(other, name)).all()
 
 
-def test_a_mirror_outside_the_picture_is_not_traced():
+def test_a_mirror_outside_the_image_is_not_traced():
     camera = replace(CAMERA, target=(0.25, 0.65, 5.0))
     session = open_view(CURVED, "raytrace")
     session.draw(CAMERA)

@@ -69,7 +69,7 @@ def test_the_ray_is_the_ray_meshs_between_vertices():
     direction /= np.linalg.norm(direction, axis=1, keepdims=True)
     assert records[own, 0:3] == pytest.approx(origin, abs=2e-6)
     assert records[own, 4:7] == pytest.approx(direction, abs=2e-5)
-    share = np.einsum("nc,nc->n", weights, mesh.share[corners])
+    share = np.einsum("nc,nc->n", weights, mesh.transmittance[corners])
     tint = np.array(scene.meshes[near].material.tint) * scene.meshes[far].material.tint
     assert records[own, 8:11] == pytest.approx(share[:, None] * tint, abs=1e-4)
 

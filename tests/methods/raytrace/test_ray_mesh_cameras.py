@@ -1,4 +1,4 @@
-"""Ray meshes as cameras: the picture that the ray tracer makes of their rays, and its errors."""
+"""Ray meshes as cameras: the image that the ray tracer makes of their rays, and its errors."""
 
 from __future__ import annotations
 
@@ -29,19 +29,17 @@ from anamorph.scene.model import Glass, Scene
 
 SIZE = (80, 60)
 QUAD = [[0, 1, 2], [0, 2, 3]]
-MATT = Scene("matt", surroundings(), CAMERA)
+DIFFUSE = Scene("diffuse", surroundings(), CAMERA)
 """No mirror."""
 
 
-def ray_mesh(picture, origins, directions, faces=QUAD):
+def ray_mesh(image, origins, directions, faces=QUAD):
     """By hand: places (V, 2) have w = 1."""
-    picture = np.asarray(picture, float)
-    if picture.shape[1] == 2:
-        picture = np.column_stack([picture, np.ones(len(picture))])
-    origins, directions = (
-        np.broadcast_to(np.asarray(each, float), (len(picture), 3)) for each in (origins, directions)
-    )
-    return RayMesh(picture, origins, directions, np.array(faces, np.int32), np.zeros(len(picture), np.uint8))
+    image = np.asarray(image, float)
+    if image.shape[1] == 2:
+        image = np.column_stack([image, np.ones(len(image))])
+    origins, directions = (np.broadcast_to(np.asarray(each, float), (len(image), 3)) for each in (origins, directions))
+    return RayMesh(image, origins, directions, np.array(faces, np.int32), np.zeros(len(image), np.uint8))
 
 
 def corners(size):
@@ -50,14 +48,14 @@ def corners(size):
 
 
 def as_ray_mesh(camera, size, places=None, faces=QUAD):
-    """A pinhole as rays that all have the same depth, which is affine in the picture."""
+    """A pinhole as rays that all have the same depth, which is affine in the image."""
     places = corners(size) if places is None else np.asarray(places, float)
     focal = size[1] / (2.0 * np.tan(np.radians(camera.field_of_view) / 2.0))
     across = (places - np.array(size) / 2.0) / focal * [1.0, -1.0]
     return ray_mesh(places, camera.position, np.column_stack([across, np.ones(len(places))]) @ camera.axes(), faces)
 
 
-def seen_through(mesh, scene=MATT, size=None, **options):
+def seen_through(mesh, scene=DIFFUSE, size=None, **options):
     return an.render(scene, "raytrace", camera=mesh, size=size, seen=True, **options)
 
 
@@ -89,28 +87,28 @@ def test_a_pinhole_as_a_ray_mesh_draws_the_cameras_frame(name):
     assert frame.ray_origin[alike] == pytest.approx(expected.ray_origin[alike], abs=1e-4)
 
 
-def test_a_projective_picture_is_a_plane_in_the_world():
-    # A quad across the view, at very different depths: its vertices' rays are linear on it, and not in the picture.
+def test_a_projective_image_is_a_plane_in_the_world():
+    # A quad across the view, at very different depths: its vertices' rays are linear on it, and not in the image.
     right, up, forward = CAMERA.axes()
     quad = np.asarray(CAMERA.position) + np.array(
         [forward - right + up, 5 * (forward + right + up), 5 * (forward + right - up), forward - right - up]
     )
-    picture = CAMERA.eye(SIZE).picture(quad)
-    mesh = ray_mesh(picture, CAMERA.position, quad - CAMERA.position)
+    image = CAMERA.eye(SIZE).image(quad)
+    mesh = ray_mesh(image, CAMERA.position, quad - CAMERA.position)
     frame = seen_through(mesh, size=SIZE)
     assert not (frame.status == Status.OUTSIDE).any()
-    assert_same(frame, an.render(MATT, "raytrace", size=SIZE, seen=True))
+    assert_same(frame, an.render(DIFFUSE, "raytrace", size=SIZE, seen=True))
     # As if it were affine, it shows something else.
-    bent = replace(mesh, picture=picture / picture[:, 2:])
+    bent = replace(mesh, image=image / image[:, 2:])
     assert np.abs(seen_through(bent, size=SIZE).color - frame.color).mean() > 1e-3
 
 
 def test_what_a_mesh_has_behind_the_eye_is_not_seen():
     ground = np.array([[-9.0, 0.0, 9.0], [9.0, 0.0, 9.0], [9.0, 0.0, -9.0], [-9.0, 0.0, -9.0]])
     camera = Camera((0.3, 1.0, 1.0), (0.0, 0.9, -1.0), field_of_view=60.0)
-    mesh = ray_mesh(camera.eye(SIZE).picture(ground), camera.position, ground - camera.position)
-    assert mesh.picture[:, 2].min() < 0.0 < mesh.picture[:, 2].max()
-    scene = replace(MATT, camera=camera)
+    mesh = ray_mesh(camera.eye(SIZE).image(ground), camera.position, ground - camera.position)
+    assert mesh.image[:, 2].min() < 0.0 < mesh.image[:, 2].max()
+    scene = replace(DIFFUSE, camera=camera)
     frame, expected = seen_through(mesh, scene, SIZE), an.render(scene, "raytrace", size=SIZE, seen=True)
     x, y = np.meshgrid(np.arange(80) + 0.5, np.arange(60) + 0.5)
     looks = camera.directions(np.stack([x, y], axis=-1), SIZE)
@@ -120,7 +118,7 @@ def test_what_a_mesh_has_behind_the_eye_is_not_seen():
     same = on_ground & (frame.object_id == expected.object_id)
     assert same.sum() > 0.99 * on_ground.sum()
     assert frame.position[same] == pytest.approx(expected.position[same], abs=1e-3)
-    with pytest.raises(AnamorphError, match="give the picture's size"):
+    with pytest.raises(AnamorphError, match="give the image's size"):
         seen_through(mesh, scene)
 
 
@@ -129,7 +127,7 @@ def test_a_mirrors_ray_mesh_alone_sees_what_the_mirror_shows():
     expected = an.render(scene, "raytrace", size=SIZE, seen=True)
     mirrored = expected.specular == 1
     mesh = reflected_rays(reflector(scene.meshes[0]), CAMERA.eye(SIZE))
-    frame = seen_through(mesh, MATT, SIZE)
+    frame = seen_through(mesh, DIFFUSE, SIZE)
     assert ((frame.status != Status.OUTSIDE) == mirrored).all()
     same = mirrored & (frame.object_id + (frame.object_id > 0) == expected.object_id)
     assert same.sum() >= 0.999 * mirrored.sum()
@@ -147,7 +145,7 @@ def test_pixels_without_a_ray_are_black_and_outside():
     for buffer in (frame.color, frame.position, frame.object_id, frame.specular, frame.ray_origin, frame.ray_direction):
         assert np.isfinite(buffer).all() and not buffer[~inside].any()
     assert np.linalg.norm(frame.ray_direction[inside], axis=-1) == pytest.approx(1.0, abs=1e-6)
-    whole = an.render(MATT, "raytrace", size=SIZE, seen=True)
+    whole = an.render(DIFFUSE, "raytrace", size=SIZE, seen=True)
     assert frame.position[inside] == pytest.approx(whole.position[:40, :50][inside], abs=1e-5)
 
 
@@ -186,7 +184,7 @@ def test_of_triangles_over_each_other_the_first_is_seen():
 
 @st.composite
 def triangulations(draw):
-    """A picture of 12 x 10 pixels: faces split at points inside or on their border, often at pixels' centres."""
+    """An image of 12 x 10 pixels: faces split at points inside or on their border, often at pixels' centres."""
     places, faces = [tuple(place) for place in corners((12, 10))], [(0, 1, 2), (0, 2, 3)]
     for _ in range(draw(st.integers(0, 25))):
         a, b, c = faces.pop(draw(st.integers(0, len(faces) - 1)))
@@ -213,9 +211,9 @@ def triangulations(draw):
 @given(triangulations())
 def test_no_pixel_inside_is_left_out(drawn):
     places, faces, weights, shift = drawn
-    picture = np.column_stack([places, np.ones(len(places))]) * weights[:, None]
-    # Directions that are their own homogeneous pictures become the pixels' own places, whatever the triangle.
-    mesh = ray_mesh(picture, [0.0, 0.0, 0.0], picture, faces)
+    image = np.column_stack([places, np.ones(len(places))]) * weights[:, None]
+    # Directions that are their own homogeneous images become the pixels' own places, whatever the triangle.
+    mesh = ray_mesh(image, [0.0, 0.0, 0.0], image, faces)
     x, y = np.meshgrid(np.arange(12) + 0.5 + shift[0], np.arange(10) + 0.5 + shift[1])
     directions = pixel_rays(mesh, (12, 10), shift)[1].reshape(10, 12, 3)
     inside = (x >= 0) & (x <= 12) & (y >= 0) & (y <= 10)
@@ -226,14 +224,14 @@ def test_no_pixel_inside_is_left_out(drawn):
 
 def test_samples_average_shifted_rays():
     mesh = as_ray_mesh(CAMERA, SIZE)
-    session = Specification.parse("raytrace").open(View(MATT, mesh, SIZE))
+    session = Specification.parse("raytrace").open(View(DIFFUSE, mesh, SIZE))
     colors = []
     for shift in [(-0.25, -0.25), (0.25, -0.25), (-0.25, 0.25), (0.25, 0.25)]:
         session.draw(mesh, shift)
         colors.append(session.frame().color)
     frame = seen_through(mesh, samples=2)
     assert frame.color == pytest.approx(np.mean(colors, axis=0), abs=1e-6)
-    expected = an.render(MATT, "raytrace", size=SIZE, samples=2, seen=True)
+    expected = an.render(DIFFUSE, "raytrace", size=SIZE, samples=2, seen=True)
     assert np.percentile(np.abs(frame.color - expected.color), 98.0) <= 1e-2
     single = seen_through(mesh)
     assert (frame.position == single.position).all() and (frame.color != single.color).any()
@@ -249,8 +247,8 @@ def test_a_session_follows_meshes_and_a_deforming_scene():
     assert (session.frame(seen=True).position == seen_through(other, scene).position).all()
     geometry = flatten(scene)
     moved = geometry.positions.copy()
-    matt = slice(int(geometry.first_vertex[1]), None)
-    moved[matt] += np.float32([0.05, 0.1, 0.0])
+    diffuse = slice(int(geometry.first_vertex[1]), None)
+    moved[diffuse] += np.float32([0.05, 0.1, 0.0])
     session.deform(moved, geometry.normals)
     session.draw(mesh)
     frame = session.frame(seen=True)
@@ -279,7 +277,7 @@ def test_what_lies_behind_the_origins_is_not_seen():
     assert ((beyond.position[seen] - CAMERA.position) @ CAMERA.axes()[2] > 2.99).all()
 
 
-def test_bands_of_the_picture_are_each_others_continuation(monkeypatch):
+def test_bands_of_the_image_are_each_others_continuation(monkeypatch):
     # Glass that disperses: each band has colours of its own.
     scene = gallery.make("spectacles-plus")
     glass = Glass(1.5, abbe=8.0)
@@ -321,7 +319,7 @@ def test_scenes_without_mirror_and_with_the_eye_behind_one_are_accepted():
     assert_same(seen_through(mesh, scene), an.render(scene, "raytrace", camera=CAMERA, size=SIZE, seen=True))
 
 
-def test_the_size_is_the_least_that_holds_the_picture():
+def test_the_size_is_the_least_that_holds_the_image():
     for farthest, size in [((7.2, 3.0), (8, 3)), ((7.0 + 1e-12, 3.0), (7, 3)), ((0.2, 0.1), (1, 1))]:
         mesh = ray_mesh([[-5.0, -5.0], [farthest[0], 0.0], [0.0, farthest[1]], [99.0, 99.0]], 0.0, 1.0, [[0, 1, 2]])
         assert mesh.least_size() == size
@@ -332,11 +330,11 @@ def test_the_size_is_the_least_that_holds_the_picture():
 @pytest.mark.parametrize(
     ("changes", "words"),
     [
-        ({"picture": np.full((4, 3), np.nan)}, "picture have NaN"),
-        ({"picture": np.ones((4, 2))}, r"picture are \(4, 2\)"),
-        ({"picture": np.ones((4, 3))}, "points or lines"),
-        ({"picture": [[0, 0, -1], [8, 0, -1], [8, 6, -1], [0, 6, 0]]}, "all its picture is behind"),
-        ({"picture": [[0, 0, 1], [-8, 0, 1], [-8, 6, 1], [0, 6, 1]]}, "top left corner"),
+        ({"image": np.full((4, 3), np.nan)}, "image have NaN"),
+        ({"image": np.ones((4, 2))}, r"image are \(4, 2\)"),
+        ({"image": np.ones((4, 3))}, "points or lines"),
+        ({"image": [[0, 0, -1], [8, 0, -1], [8, 6, -1], [0, 6, 0]]}, "all its image is behind"),
+        ({"image": [[0, 0, 1], [-8, 0, 1], [-8, 6, 1], [0, 6, 1]]}, "top left corner"),
         ({"origins": np.full((4, 3), np.inf)}, "origins have NaN"),
         ({"origins": np.full((4, 3), 1e13)}, "beyond 1e.12"),
         ({"origins": np.zeros((3, 3))}, r"origins are \(3, 3\)"),
@@ -353,7 +351,7 @@ def test_the_size_is_the_least_that_holds_the_picture():
 def test_a_ray_mesh_that_cannot_be_seen_through_is_refused_in_one_line(changes, words):
     arrays = {name: np.asarray(values) for name, values in changes.items()}
     with pytest.raises(AnamorphError, match=words) as told:
-        an.render(MATT, "raytrace", camera=replace(as_ray_mesh(CAMERA, (8, 6)), **arrays))
+        an.render(DIFFUSE, "raytrace", camera=replace(as_ray_mesh(CAMERA, (8, 6)), **arrays))
     assert str(told.value).startswith("camera: ") and "\n" not in str(told.value)
 
 
@@ -361,11 +359,11 @@ def test_what_cannot_see_through_a_ray_mesh_says_what_can():
     mesh = as_ray_mesh(CAMERA, SIZE)
     for name in [name for name, method in METHODS.items() if not method.ray_meshes]:
         with pytest.raises(AnamorphError, match=f"camera: {name} cannot see through a ray mesh; give .*raytrace"):
-            an.render(MATT, name, camera=mesh)
+            an.render(DIFFUSE, name, camera=mesh)
     with pytest.raises(AnamorphError, match="needs a pinhole"):
-        _ = View(MATT, mesh, SIZE).pinhole
+        _ = View(DIFFUSE, mesh, SIZE).pinhole_camera
     with pytest.raises(AnamorphError, match="give truth=surface"):
-        seen_through(mesh, truth="raymesh")
+        seen_through(mesh, reference="raymesh")
     with pytest.raises(AnamorphError, match="size 0x60"):
         seen_through(mesh, size=(0, 60))
 
@@ -373,34 +371,34 @@ def test_what_cannot_see_through_a_ray_mesh_says_what_can():
 def test_all_pixels_with_a_ray_are_measured():
     places = corners(SIZE) * 0.75
     mesh = as_ray_mesh(CAMERA, SIZE, places)
-    truth = seen_through(mesh, size=SIZE)
-    covered = truth.status != Status.OUTSIDE
-    assert truth.ray_mesh and (counted(truth) == covered).all() and not covered.all()
-    nothing = measure(truth, truth)
+    reference = seen_through(mesh, size=SIZE)
+    covered = reference.status != Status.OUTSIDE
+    assert reference.ray_mesh and (counted(reference) == covered).all() and not covered.all()
+    nothing = measure(reference, reference)
     assert nothing.pixels.max < 0.02 and nothing.other_object_percent == 0.0 and nothing.rmse == 0.0
     assert (nothing.maps.specular == covered).all()
     # The border of the mesh is a silhouette, and so is a box's before the floor.
     assert nothing.maps.silhouette[:45, 59].all() and nothing.maps.silhouette[:44, :58].any()
     assert not nothing.maps.silhouette[~covered].any() and nothing.silhouette_percent < 40.0
 
-    moved = replace(mesh, picture=mesh.picture + np.array([0.1, 0.0, 0.0]))
-    errors = measure(truth, seen_through(moved, size=SIZE))
+    moved = replace(mesh, image=mesh.image + np.array([0.1, 0.0, 0.0]))
+    errors = measure(reference, seen_through(moved, size=SIZE))
     assert errors.pixels.median == pytest.approx(0.1, rel=0.02)
     assert errors.other_object_percent == 0.0
 
     # Where the truth sees something, and be it the sky, a frame that shows nothing is wrong.
-    blank = {name: np.zeros_like(getattr(truth, name)) for name in ("position", "object_id")}
-    lost = measure(truth, replace(truth, **blank))
+    blank = {name: np.zeros_like(getattr(reference, name)) for name in ("position", "object_id")}
+    lost = measure(reference, replace(reference, **blank))
     assert lost.other_object_percent == 100.0
     assert lost.angular_mrad.median > 1.0
-    sky = covered & (truth.object_id == 0) & ~lost.maps.silhouette
+    sky = covered & (reference.object_id == 0) & ~lost.maps.silhouette
     assert sky.any() and (lost.maps.angular[sky] == pytest.approx(1000.0 * np.pi))
 
 
 def test_frames_of_a_pinhole_are_measured_as_before():
     scene = scene_with(spherical_mirror())
-    truth = an.render(scene, "raytrace", size=SIZE, seen=True)
-    assert not truth.ray_mesh and (counted(truth) == (truth.specular == 1)).all()
+    reference = an.render(scene, "raytrace", size=SIZE, seen=True)
+    assert not reference.ray_mesh and (counted(reference) == (reference.specular == 1)).all()
     through = seen_through(as_ray_mesh(CAMERA, SIZE), scene)
-    assert measure(truth, through).pixels.p95 < 0.01
+    assert measure(reference, through).pixels.p95 < 0.01
     assert counted(through).all()

@@ -38,7 +38,7 @@ SMALL = (64, 48)
 
 
 def wall(low: float, high: float, color: tuple[float, float, float], slope: float) -> Mesh:
-    """A matt wall behind the lens between two heights at its middle; its borders rise by `slope`."""
+    """A diffuse wall behind the lens between two heights at its middle; its borders rise by `slope`."""
     x = np.array([-0.5, 0.5, 0.5, -0.5])
     y = np.array([low, low, high, high]) + slope * x
     positions = np.stack([x, y, np.full(4, -LENS_TO_WALL)], axis=-1).astype(np.float32)
@@ -79,7 +79,7 @@ def tracer_of(scene: Scene) -> PathTracer:
 
 
 def edge_heights(frame) -> np.ndarray:
-    """How far above the picture's middle dark turns to bright, pixels, by colour: the mean of the middle columns."""
+    """How far above the image's middle dark turns to bright, pixels, by colour: the mean of the middle columns."""
     height, width, _ = frame.color.shape
     columns = frame.color[:, width // 2 - 8 : width // 2 + 8].astype(float)
     bright, dark = columns[4:12].mean(axis=0), columns[-12:-4].mean(axis=0)
@@ -96,7 +96,7 @@ LENSES = {
 
 
 @pytest.mark.parametrize("name", LENSES)
-def test_in_the_picture_red_and_blue_are_apart_by_prism_over_abbe_number(name):
+def test_in_the_image_red_and_blue_are_apart_by_prism_over_abbe_number(name):
     """Prentice: at height c a lens is a prism of power c F; its deviation differs by (c F + p) / V from C to F line."""
     prescription, edge = LENSES[name]
     scene, size = before_a_wall(prescription, edge), (48, 240)
@@ -183,7 +183,7 @@ def test_where_nothing_disperses_nothing_is_traced_again(glass):
     assert (frame.color == plain.color).all()
 
 
-def test_tiles_have_the_colours_of_the_whole_picture():
+def test_tiles_have_the_colours_of_the_whole_image():
     scene, shift = lens_in_a_mirror(), (0.25, -0.125)
     tracer = tracer_of(scene)
     whole = drain(tracer.tracing(eye_rays(scene.camera, SIZE, shift=shift)))
@@ -213,8 +213,8 @@ def test_no_tiles_have_no_colours():
 
 def test_several_bands_give_the_same_frame(monkeypatch):
     scene = lens_in_a_mirror()
-    matt = tuple(replace(mesh, material=Diffuse((0.7, 0.6, 0.5)), texcoords=None) for mesh in surroundings())
-    scene = replace(scene, meshes=(*scene.meshes[:2], *matt))
+    diffuse = tuple(replace(mesh, material=Diffuse((0.7, 0.6, 0.5)), texcoords=None) for mesh in surroundings())
+    scene = replace(scene, meshes=(*scene.meshes[:2], *diffuse))
     whole = drawn(scene, "raytrace")
     rectangle = specular_rectangle(scene, scene.camera, SIZE)
     assert rectangle is not None
@@ -247,7 +247,7 @@ def test_tiles_written_without_colours_show_greens_way_in_all_of_them():
     records = drain(tracer.tracing(eye_rays(scene.camera, SIZE)))
     colors = drain(tracer.tracing_colors(eye_rays(scene.camera, SIZE), records))
     written = tiles.Tiles(stage.buffers)
-    pictures = []
+    images = []
     for given in (None, colors, None):
         written.write(corner, SIZE, records, given)
         target = make_target(SIZE, (COLOR_FORMAT,))
@@ -257,8 +257,8 @@ def test_tiles_written_without_colours_show_greens_way_in_all_of_them():
         written.draw_color(render_pass)
         render_pass.end()
         submit(encoder)
-        pictures.append(read_texture(target.textures[0]))
-    assert (pictures[0] == pictures[2]).all() and (pictures[0] != pictures[1]).any()
+        images.append(read_texture(target.textures[0]))
+    assert (images[0] == images[2]).all() and (images[0] != images[1]).any()
 
 
 def test_where_one_colour_is_totally_reflected_and_another_is_not():

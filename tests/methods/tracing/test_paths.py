@@ -348,18 +348,18 @@ def test_interpolated_normals_bend_and_never_send_a_ray_through_its_triangle():
     assert (angle(out.direction[on], lifted)[below] < ANGLE).all()
 
 
-def test_ray_mesh_truth_interpolates_the_vertex_rays_across_the_picture():
+def test_ray_mesh_truth_interpolates_the_vertex_rays_across_the_image():
     mirror = patch(Sphere(np.array([0.0, 0, -2.4]), 1.4), (-0.4, -0.3), (0.4, 0.3), 3)
     camera = Camera((0.4, 0.2, 0.3), (0, 0, -1.0), field_of_view=55)
     out = trace([box(), mirror], camera, truth="raymesh")
     mesh = reflected_rays(reflector(mirror), camera.eye(SIZE))
-    assert np.allclose(mesh.picture[:, 2], (mesh.origins - camera.position) @ camera.axes()[2])
+    assert np.allclose(mesh.image[:, 2], (mesh.origins - camera.position) @ camera.axes()[2])
     x, y = np.meshgrid(np.arange(SIZE[0]) + 0.5, np.arange(SIZE[1]) + 0.5)
     pixels = np.stack([x.ravel(), y.ravel(), np.ones(x.size)])
     checked = 0
     for face in mesh.faces:
-        # Weights on the surface are linear in the homogeneous picture coordinates.
-        weights = np.linalg.solve(mesh.picture[face].T, pixels)
+        # Weights on the surface are linear in the homogeneous image coordinates.
+        weights = np.linalg.solve(mesh.image[face].T, pixels)
         inside = (weights > 1e-3 * weights.sum(axis=0)).all(axis=0)
         share = (weights / weights.sum(axis=0))[:, inside].T
         assert (out.specular[inside] == 2).all()
@@ -412,7 +412,7 @@ def test_a_zero_normal_is_named():
     assert (out.status[out.specular == 2] == Status.TRACED).all() and np.isfinite(out.direction).all()
 
 
-def test_the_back_of_a_mirror_is_matt():
+def test_the_back_of_a_mirror_is_diffuse():
     out = trace([rectangle_at((0, 0, 0), (-5, 0, 0), (0, 5, 0))], Camera((0, 0, 3), (0, 0, 0)))
     assert (out.status == Status.DIRECT).all() and not out.specular.any() and (out.end_object == 1).all()
 
@@ -422,7 +422,7 @@ def test_no_bounce_allowed():
     assert (out.status == Status.OUTSIDE).all() and (out.specular == 1).all() and not out.bounces.any()
 
 
-def test_a_part_of_the_picture_is_that_part_and_both_ways_of_casting_agree(monkeypatch):
+def test_a_part_of_the_image_is_that_part_and_both_ways_of_casting_agree(monkeypatch):
     mirror = patch(Sphere(np.array([0.0, 0, -2.4]), 1.4), (-0.4, -0.3), (0.4, 0.3), 7)
     camera = Camera((0.4, 0.2, 0.3), (0, 0, -1.0))
     size = (160, 120)

@@ -1,4 +1,4 @@
-"""Four samples a pixel by `trilinear`: the mean of four pictures where colours are flat, and no fringes at outlines."""
+"""Four samples a pixel by `trilinear`: the mean of four images where colours are flat, and no fringes at outlines."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ def color(scene: Scene, camera: Camera | RayMesh, method: str, shift=(0.0, 0.0),
 
 
 def four(scene: Scene, camera: Camera | RayMesh, method: str, size=SIZE) -> np.ndarray:
-    """The mean of four shifted pictures."""
+    """The mean of four shifted images."""
     view = View(scene, camera, size, samples=2)
     return draw_frame(view, Specification.parse(method)).color
 
@@ -65,12 +65,12 @@ def test_flat_colors_are_the_mean_of_four_samples(name):
         mean = four(scene, camera, method)
         assert np.abs(mean - one).max() > 0.1
         wrong = np.abs(smooth - mean).max(axis=-1)
-        # Half floats; and of pixels on the rim some samples have no rays where the mesh ends with the picture.
+        # Half floats; and of pixels on the rim some samples have no rays where the mesh ends with the image.
         assert (wrong <= 2e-3).mean() > 0.999 and np.median(wrong) <= 1e-3
 
 
 @pytest.mark.parametrize("shift", [(0.375, -0.375), (-0.45, 0.2), (0.49, 0.49)])
-def test_a_shifted_picture_is_smooth_up_to_its_rim(shift):
+def test_a_shifted_image_is_smooth_up_to_its_rim(shift):
     """Its frame is not drawn: black would come in from where the shifted ray mesh has ended."""
     (triangle, *_) = flat_scene().meshes
     middle = replace(triangle, positions=np.float32([[-0.5, -0.6, 0.0], [0.7, -0.3, 0.0], [0.1, 0.6, 0.0]]))
@@ -82,19 +82,19 @@ def test_a_shifted_picture_is_smooth_up_to_its_rim(shift):
     assert np.abs(smooth.astype(float) - plain).max() > 0.05
 
 
-def test_the_average_of_smooth_pictures_comes_close_to_that_of_many():
+def test_the_average_of_smooth_images_comes_close_to_that_of_many():
     scene, camera = flat_scene(), RAYS["6.4"](SIZE)
     view = View(scene, camera, SIZE, samples=6)
-    truth = draw_frame(view, Specification.parse("raytrace")).color
-    errors = [np.abs(color(scene, camera, "trilinear:antialias=4") - truth).mean()]
-    errors.append(np.abs(four(scene, camera, "trilinear:antialias=4") - truth).mean())
-    assert errors[1] < 1.3 * errors[0] < 0.6 * np.abs(color(scene, camera, "trilinear") - truth).mean()
+    reference = draw_frame(view, Specification.parse("raytrace")).color
+    errors = [np.abs(color(scene, camera, "trilinear:antialias=4") - reference).mean()]
+    errors.append(np.abs(four(scene, camera, "trilinear:antialias=4") - reference).mean())
+    assert errors[1] < 1.3 * errors[0] < 0.6 * np.abs(color(scene, camera, "trilinear") - reference).mean()
 
 
-def test_a_ray_mesh_that_ends_within_the_picture_ends_smoothly_and_not_darker():
+def test_a_ray_mesh_that_ends_within_the_image_ends_smoothly_and_not_darker():
     scene = replace(flat_scene(), meshes=flat_scene().meshes[:1])
     camera = RAYS["pinhole"](SIZE)
-    small = replace(camera, picture=camera.picture * [0.6, 0.6, 1.0] + camera.picture[:, 2:] * [20.25, 15.25, 0.0])
+    small = replace(camera, image=camera.image * [0.6, 0.6, 1.0] + camera.image[:, 2:] * [20.25, 15.25, 0.0])
     smooth = color(scene, small, "trilinear:antialias=4")
     levels = np.unique(np.round(smooth[15] @ [1.0, 1.0, 1.0] / np.sum(PLAIN_SKY.zenith), 2))
     assert set(levels) <= {0.0, 0.25, 0.5, 0.75, 1.0} and 1.0 > levels[1] > 0.0
@@ -121,7 +121,7 @@ def test_outlines_of_mirrors_lie_between_what_is_on_either_side(mirror, shift):
     assert np.abs(smooth - plain)[away].mean() <= 0.01
 
 
-def test_mirrors_are_as_smooth_as_four_pictures():
+def test_mirrors_are_as_smooth_as_four_images():
     scene = replace(scene_with(spherical_mirror(), sky=PLAIN_SKY), lights=FLAT_LIGHT)
     scene = replace(
         scene,

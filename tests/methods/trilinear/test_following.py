@@ -18,7 +18,7 @@ from anamorph.methods.trilinear.samples import LEAST_EXTENT, OUTSIDE, samples
 
 SIZE = (400, 400)
 QUICK = settings(max_examples=60, phases=(Phase.explicit, Phase.generate))
-KINDS = ["any", "flat", "parallel", "nearly parallel", "pinhole", "edge-on", "thin mirror", "thin picture", "opposed"]
+KINDS = ["any", "flat", "parallel", "nearly parallel", "pinhole", "edge-on", "thin mirror", "thin image", "opposed"]
 
 
 def plan_of(beams, corners):
@@ -33,7 +33,7 @@ def fronts(plan):
 
 
 def rays_of(beams, k, places):
-    """Origins, directions (not unit) and scale at places (Q, 2) of the picture."""
+    """Origins, directions (not unit) and scale at places (Q, 2) of the image."""
     terms = np.column_stack([places - beams.center[k], np.ones(len(places))])
     scale = (terms @ beams.scale[k])[:, None]
     return terms @ beams.origin[k].T / scale + beams.anchor[k], terms @ beams.direction[k].T / scale, scale[:, 0]
@@ -67,7 +67,7 @@ def within(plan, row, center, random, count=8):
 def errors(beams, plan, chosen, corners, normals, random):
     """Of the following rays' origins and directions, at places where the mirror is seen."""
     found = following_rays(beams, plan, chosen, corners, normals)
-    after = drain(making_beams(found.picture, found.origins, found.directions, SIZE, domain=found.domain))
+    after = drain(making_beams(found.image, found.origins, found.directions, SIZE, domain=found.domain))
     origins, directions = [np.zeros(0)], [np.zeros(0)]
     for j, i in enumerate(after.number):
         k, face, _ = plan.pair[chosen[i]]
@@ -103,8 +103,8 @@ def window(count=2, bend=0.0):
     directions = origins - [0.0, 0.0, 6.0]
     directions[:, 0] += bend * places[:, 0] ** 2
     directions[:, 1] += bend * places[:, 0] * places[:, 1]
-    picture = np.column_stack([200.0 + 200.0 * places[:, 0], 200.0 - 200.0 * places[:, 1], np.ones(len(places))])
-    return drain(making_beams(picture[faces], origins[faces], directions[faces], SIZE))
+    image = np.column_stack([200.0 + 200.0 * places[:, 0], 200.0 - 200.0 * places[:, 1], np.ones(len(places))])
+    return drain(making_beams(image[faces], origins[faces], directions[faces], SIZE))
 
 
 def ball(count, center=(0.3, 0.1, -5.0), radius=2.0):
@@ -135,7 +135,7 @@ def test_and_so_is_a_third_flat_mirror():
     plan = plan_of(beams, FLOOR)
     chosen = fronts(plan)
     second = following_rays(beams, plan, chosen, FLOOR, flat(FLOOR))
-    after = drain(making_beams(second.picture, second.origins, second.directions, SIZE, domain=second.domain))
+    after = drain(making_beams(second.image, second.origins, second.directions, SIZE, domain=second.domain))
     further = plan_of(after, ceiling)
     origins, directions = errors(after, further, fronts(further), ceiling, flat(ceiling), np.random.default_rng(2))
     assert len(origins) > 50
@@ -173,10 +173,10 @@ def test_the_error_falls_with_the_square_of_the_size(bend):
 def case(kind, seed):
     """A ray triangle that looks into -z, mirrors before it, and their vertex normals."""
     random = np.random.default_rng(seed)
-    picture = np.column_stack([random.uniform(0.0, 400.0, (3, 2)), np.ones(3)])
-    if kind == "thin picture":
-        picture[2, :2] = picture[:2, :2].mean(axis=0) + random.choice([1e-3, 0.05, 1.0]) * random.normal(size=2)
-    place = (picture[:, :2] - 200.0) / 200.0
+    image = np.column_stack([random.uniform(0.0, 400.0, (3, 2)), np.ones(3)])
+    if kind == "thin image":
+        image[2, :2] = image[:2, :2].mean(axis=0) + random.choice([1e-3, 0.05, 1.0]) * random.normal(size=2)
+    place = (image[:, :2] - 200.0) / 200.0
     origins = np.column_stack([place, random.uniform(-0.1, 0.1, 3)])
     directions = np.column_stack([0.2 * place, np.full(3, -1.0)]) + 0.05 * random.normal(size=(3, 3))
     if kind in ("parallel", "nearly parallel"):
@@ -193,7 +193,7 @@ def case(kind, seed):
         normals[:, 1], normals[:, 2] = -normals[:, 0], normals[:, 0]
     elif kind != "flat":
         normals = units(normals + 0.1 * random.normal(size=normals.shape))
-    return drain(making_beams(picture[None], origins[None], directions[None], SIZE)), corners, normals
+    return drain(making_beams(image[None], origins[None], directions[None], SIZE)), corners, normals
 
 
 @QUICK
@@ -203,9 +203,9 @@ def test_following_rays_of_any_pair(kind, seed):
     plan = plan_of(beams, corners)
     chosen = np.arange(len(plan.pair))
     found = following_rays(beams, plan, chosen, corners, normals)
-    for name in ("picture", "origins", "directions", "domain"):
+    for name in ("image", "origins", "directions", "domain"):
         assert np.isfinite(getattr(found, name)).all(), name
-    assert (found.picture[..., 2] > 0.0).all()
+    assert (found.image[..., 2] > 0.0).all()
     assert (np.linalg.norm(found.directions, axis=-1) > 0.0).all()
     for row in chosen:
         k, face, side = plan.pair[row]
@@ -215,7 +215,7 @@ def test_following_rays_of_any_pair(kind, seed):
         if (low == high).any():
             continue
         assert (pieces >= low).all() and (pieces <= high).all()
-        places = found.picture[row, :, :2] / found.picture[row, :, 2:]
+        places = found.image[row, :, :2] / found.image[row, :, 2:]
         assert (places >= low - 0.13).all() and (places <= high + 0.13).all()
         normal = np.cross(b - a, c - a)
         start, direction, _ = rays_of(beams, k, places)
@@ -248,7 +248,7 @@ def test_samples_stand_for_the_region(kind, seed):
         length = np.hypot(x2 - x1, y2 - y1)
         width = abs((x2 - x1) * (y3 - y1) - (x3 - x1) * (y2 - y1)) / length
         assert min(length, width) >= LEAST_EXTENT * (1.0 - 1e-9)
-        if min(length, width) > LEAST_EXTENT * (1.0 + 1e-9) and kind != "thin picture":
+        if min(length, width) > LEAST_EXTENT * (1.0 + 1e-9) and kind != "thin image":
             inside = least_weights(plan.terms[row], within(plan, row, 0.0, np.random.default_rng(seed), 100)).max()
             # Places inside may be too few to be found.
             assert inside < 0.1 or least_weights(plan.terms[row], place[row]).min() >= 1.001 * OUTSIDE
@@ -285,16 +285,14 @@ def test_a_pair_whose_rays_miss_the_plane_is_not_followed():
     found = following_rays(beams, wrong, np.arange(len(plan.pair)), corners, normals)
     assert len(plan.pair)
     assert np.isfinite(found.directions).all()
-    assert (
-        len(drain(making_beams(found.picture, found.origins, found.directions, SIZE, domain=found.domain)).number) == 0
-    )
+    assert len(drain(making_beams(found.image, found.origins, found.directions, SIZE, domain=found.domain)).number) == 0
 
 
 def test_nothing_follows_from_nothing():
     beams, corners, normals = case("any", 1)
     found = following_rays(beams, plan_of(beams, corners), np.zeros(0, int), corners, normals)
     assert found.domain.shape == (0, 4, 2)
-    after = drain(making_beams(found.picture, found.origins, found.directions, SIZE, domain=found.domain))
+    after = drain(making_beams(found.image, found.origins, found.directions, SIZE, domain=found.domain))
     assert after.domain.shape[0] == 0
 
 
@@ -303,18 +301,18 @@ def random_domain(seed):
     beams, _, _ = case(KINDS[seed % 5], seed)
     place = random.uniform(50.0, 350.0, (3, 2))
     weights = random.uniform(0.3, 3.0, 3)
-    picture = np.column_stack([place, np.ones(3)]) * weights[:, None]
+    image = np.column_stack([place, np.ones(3)]) * weights[:, None]
     start, direction, _ = rays_of(beams, 0, place)
     low, high = np.sort(random.uniform(-50.0, 450.0, (2, 2)), axis=0)
     domain = np.array([low, [high[0], low[1]], high, [low[0], high[1]]])
-    return picture[None], start[None], direction[None], domain[None], random
+    return image[None], start[None], direction[None], domain[None], random
 
 
 @QUICK
 @given(st.integers(0, 2**32 - 1))
-def test_a_given_part_of_the_picture_is_seen_whole(seed):
-    picture, origins, directions, domain, random = random_domain(seed)
-    beams = drain(making_beams(picture, origins, directions, SIZE, domain=domain))
+def test_a_given_part_of_the_image_is_seen_whole(seed):
+    image, origins, directions, domain, random = random_domain(seed)
+    beams = drain(making_beams(image, origins, directions, SIZE, domain=domain))
     if not len(beams.number):
         return
     places = random.uniform(domain[0].min(axis=0), domain[0].max(axis=0), (150, 2))
@@ -344,11 +342,11 @@ def holds(triangles, places):
 
 @pytest.mark.parametrize("kind", ["any", "pinhole", "nearly parallel"])
 def test_over_its_own_corners_a_given_part_changes_nothing(kind):
-    picture, origins, directions, _, _ = random_domain(KINDS.index(kind) + 5)
-    own = picture[..., :2] / picture[..., 2:]
+    image, origins, directions, _, _ = random_domain(KINDS.index(kind) + 5)
+    own = image[..., :2] / image[..., 2:]
     plain, given = (
-        drain(making_beams(picture, origins, directions, SIZE)),
-        drain(making_beams(picture, origins, directions, SIZE, domain=own)),
+        drain(making_beams(image, origins, directions, SIZE)),
+        drain(making_beams(image, origins, directions, SIZE, domain=own)),
     )
     for one, other in zip(rays_of(plain, 0, own[0])[:2], rays_of(given, 0, own[0])[:2], strict=True):
         assert np.allclose(one, other, rtol=1e-9, atol=1e-9)
@@ -357,25 +355,25 @@ def test_over_its_own_corners_a_given_part_changes_nothing(kind):
 
 def test_a_given_part_ends_where_the_scale_does():
     place = np.array([[100.0, 100.0], [200.0, 100.0], [100.0, 200.0]])
-    picture = np.column_stack([place, np.ones(3)]) * np.array([[1.0], [4.0], [1.0]])
+    image = np.column_stack([place, np.ones(3)]) * np.array([[1.0], [4.0], [1.0]])
     domain = np.array([[0.0, 0.0], [400.0, 0.0], [400.0, 400.0], [0.0, 400.0]])
-    beams = drain(making_beams(picture[None], np.eye(3)[None], np.eye(3)[None] - 2.0, SIZE, domain=domain[None]))
+    beams = drain(making_beams(image[None], np.eye(3)[None], np.eye(3)[None] - 2.0, SIZE, domain=domain[None]))
     used = beams.domain[0, : beams.corners[0]]
     scale = rays_of(beams, 0, used + beams.center[0])[2]
     assert (scale > 0.0).all()
     # s falls by 3 / 400 a pixel from 1 at 100: it is 0 at 233.3.
     assert 232.0 < (used + beams.center[0])[:, 0].max() < 233.33
     flat_part = drain(
-        making_beams(picture[None], np.eye(3)[None], np.eye(3)[None] - 2.0, SIZE, domain=domain[None] * [1.0, 0.0])
+        making_beams(image[None], np.eye(3)[None], np.eye(3)[None] - 2.0, SIZE, domain=domain[None] * [1.0, 0.0])
     )
     assert len(flat_part.number) == 0
 
 
 def test_given_parts_want_rays_too():
-    picture, origins, directions, _, _ = random_domain(5)
+    image, origins, directions, _, _ = random_domain(5)
     with pytest.raises(AnamorphError, match="directions are 0"):
         drain(
             making_beams(
-                picture, origins, 0.0 * directions, SIZE, domain=np.array([[[0, 0], [400, 0], [400, 400], [0, 400]]])
+                image, origins, 0.0 * directions, SIZE, domain=np.array([[[0, 0], [400, 0], [400, 400], [0, 400]]])
             )
         )

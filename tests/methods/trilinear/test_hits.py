@@ -21,7 +21,7 @@ from anamorph.raymesh import RayMesh
 from anamorph.scene.camera import Camera
 from anamorph.scene.model import Mirror, Scene
 
-TRUTH = "raytrace:truth=raymesh,bounces={}"
+REFERENCE = "raytrace:truth=raymesh,bounces={}"
 METHOD = "trilinear:bounces={}"
 SMALL = (160, 120)
 
@@ -35,13 +35,13 @@ BUILT_IN = {
 mirrors what goes on is of second order."""
 
 
-def errors_of(truth: Frame, frame: Frame) -> Errors:
+def errors_of(reference: Frame, frame: Frame) -> Errors:
     """Errors, of a frame that knows the same mirrors and the same ends of paths as the truth."""
-    away = ~silhouettes(truth.object_id, truth.specular, truth.status == Status.OUTSIDE)
-    assert (truth.specular == frame.specular)[away].all()
-    outside = truth.status == Status.OUTSIDE
+    away = ~silhouettes(reference.object_id, reference.specular, reference.status == Status.OUTSIDE)
+    assert (reference.specular == frame.specular)[away].all()
+    outside = reference.status == Status.OUTSIDE
     assert ((frame.status == Status.OUTSIDE) == outside)[away].mean() > 0.999
-    return measure(truth, frame)
+    return measure(reference, frame)
 
 
 def through(scene: Scene, camera: RayMesh, specification: str, size: tuple[int, int] = SMALL) -> Frame:
@@ -57,11 +57,13 @@ def tunnel(specification: str) -> Frame:
 
 @pytest.mark.parametrize("bounces", range(1, 7))
 def test_among_flat_mirrors_every_hit_is_exact(bounces):
-    truth, frame = tunnel(TRUTH.format(bounces)), tunnel(METHOD.format(bounces))
-    errors = errors_of(truth, frame)
+    reference, frame = tunnel(REFERENCE.format(bounces)), tunnel(METHOD.format(bounces))
+    errors = errors_of(reference, frame)
     assert errors.pixels.p95 <= 1e-3 and errors.pixels.max <= 0.05
     assert not errors.maps.other_object.any()
-    assert (frame.status == np.where(truth.status == Status.TRACED, Status.PROJECTED, truth.status)).mean() > 0.9995
+    assert (
+        frame.status == np.where(reference.status == Status.TRACED, Status.PROJECTED, reference.status)
+    ).mean() > 0.9995
     assert errors.flip <= 0.003
     # Where a path goes on past the last of its mirrors, and there alone, it is cut off.
     assert (frame.status == Status.OUTSIDE).any()
@@ -75,12 +77,12 @@ def test_among_flat_mirrors_every_hit_is_exact(bounces):
 @pytest.mark.parametrize("name", BUILT_IN)
 def test_among_curved_mirrors_the_second_hit_is_close(name):
     p95, most, others = BUILT_IN[name]
-    truth, frame = (drawn(make(name), method.format(2), (320, 240)) for method in (TRUTH, METHOD))
-    errors = errors_of(truth, frame)
+    reference, frame = (drawn(make(name), method.format(2), (320, 240)) for method in (REFERENCE, METHOD))
+    errors = errors_of(reference, frame)
     assert errors.pixels.median <= 1e-3 and errors.pixels.p95 <= p95 and errors.pixels.max <= most
     assert errors.maps.other_object.sum() <= others
     once = drawn(make(name), METHOD.format(1), (320, 240))
-    again = (once.status == Status.OUTSIDE) & (truth.status != Status.OUTSIDE)
+    again = (once.status == Status.OUTSIDE) & (reference.status != Status.OUTSIDE)
     assert (frame.status[again] != Status.OUTSIDE).mean() > 0.98
 
 
@@ -89,12 +91,12 @@ def test_among_curved_mirrors_the_second_hit_is_close(name):
 def test_rays_of_a_ray_mesh_go_on_from_mirrors(name, bounces):
     scene = make(name)
     camera = cameras.pinhole(scene.camera, SMALL)
-    truth, frame = (through(scene, camera, f"{method}:bounces={bounces}") for method in ("raytrace", "trilinear"))
-    errors = errors_of(truth, frame)
-    assert (frame.specular == truth.specular).mean() > 0.9999 and truth.specular.any()
+    reference, frame = (through(scene, camera, f"{method}:bounces={bounces}") for method in ("raytrace", "trilinear"))
+    errors = errors_of(reference, frame)
+    assert (frame.specular == reference.specular).mean() > 0.9999 and reference.specular.any()
     assert errors.pixels.p95 <= 0.03 and not errors.maps.other_object.any()
     assert errors.flip <= 0.005
-    direct = truth.status == Status.DIRECT
+    direct = reference.status == Status.DIRECT
     assert direct.any() and (frame.status[direct] == Status.PROJECTED).mean() > 0.999
 
 
@@ -116,13 +118,13 @@ def corner(tints: tuple[tuple[float, float, float], ...], reflectance: tuple[flo
 def test_tints_multiply_along_the_path():
     white = corner(2 * ((1.0, 1.0, 1.0),), (1.0, 1.0))
     tinted = corner(((0.9, 0.4, 0.2), (0.3, 0.8, 0.7)), (0.9, 0.8))
-    clear, frame, truth = drawn(white, "trilinear"), drawn(tinted, "trilinear"), drawn(tinted, TRUTH.format(2))
+    clear, frame, reference = drawn(white, "trilinear"), drawn(tinted, "trilinear"), drawn(tinted, REFERENCE.format(2))
     once = drawn(tinted, "trilinear:bounces=1")
     twice = (once.status == Status.OUTSIDE) & (frame.status != Status.OUTSIDE)
     assert twice.sum() > 1000
     # Twice at 45 degrees in all: what of the light the mirrors send on hardly depends on the angle.
-    inner = twice & ~silhouettes(truth.object_id, truth.specular, twice)
-    assert np.abs(frame.color - truth.color)[inner].max() <= 0.02
+    inner = twice & ~silhouettes(reference.object_id, reference.specular, twice)
+    assert np.abs(frame.color - reference.color)[inner].max() <= 0.02
     share = np.prod([[0.9, 0.4, 0.2], [0.3, 0.8, 0.7]], axis=0) * 0.72
     found = np.median((frame.color / np.maximum(clear.color, 1e-6))[inner], axis=0)
     assert found == pytest.approx(share, rel=0.2)
@@ -137,9 +139,11 @@ def test_one_bounce_too_few_or_a_lens_is_where_a_path_is_cut_off():
     lens_alone = Scene("lens", (*lens.meshes, *walls()), LENS_CAMERA)
     scene = replace(lens_alone, meshes=(behind, *lens_alone.meshes), camera=camera)
     frame = drawn(scene, "trilinear")
-    truth = drawn(scene, "raytrace:truth=raymesh,bounces=1")
-    in_mirror = (frame.specular == 1) & ~silhouettes(truth.object_id, truth.specular, truth.status == Status.OUTSIDE)
-    cut = truth.status == Status.OUTSIDE
+    reference = drawn(scene, "raytrace:truth=raymesh,bounces=1")
+    in_mirror = (frame.specular == 1) & ~silhouettes(
+        reference.object_id, reference.specular, reference.status == Status.OUTSIDE
+    )
+    cut = reference.status == Status.OUTSIDE
     assert (cut & in_mirror).sum() > 50 and (~cut & in_mirror).sum() > 1000
     assert (frame.status == Status.OUTSIDE)[cut & in_mirror].all()
     assert (frame.status == Status.PROJECTED)[~cut & in_mirror].all()
@@ -149,12 +153,14 @@ def test_mirrors_seen_through_a_lens_go_on():
     mirror = plane_mirror("mirror", (-0.6, 0.0, -0.3), (1.2, 0.0, 0.2), (0.0, 1.0, 0.0))
     lens = lens_of(PLUS)
     scene = Scene("lens", (*lens.meshes, mirror, *walls()), LENS_CAMERA)
-    truth, frame = (drawn(scene, method.format(3), SIZE) for method in (TRUTH, METHOD))
-    errors = errors_of(truth, frame)
+    reference, frame = (drawn(scene, method.format(3), SIZE) for method in (REFERENCE, METHOD))
+    errors = errors_of(reference, frame)
     assert errors.pixels.p95 <= 0.5
-    lens_pixels = (truth.specular > 0) & (truth.specular <= 2)
+    lens_pixels = (reference.specular > 0) & (reference.specular <= 2)
     assert lens_pixels.sum() > 1000
-    assert (frame.status[lens_pixels & ~silhouettes(truth.object_id, truth.specular)] == Status.PROJECTED).mean() > 0.98
+    assert (
+        frame.status[lens_pixels & ~silhouettes(reference.object_id, reference.specular)] == Status.PROJECTED
+    ).mean() > 0.98
 
 
 def test_depth_follows_the_option():

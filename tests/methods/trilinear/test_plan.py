@@ -1,4 +1,4 @@
-"""What ray triangles see of scene triangles, against a ray for each of many picture points, by brute force."""
+"""What ray triangles see of scene triangles, against a ray for each of many image points, by brute force."""
 
 from __future__ import annotations
 
@@ -7,15 +7,15 @@ import pytest
 from hypothesis import Phase, given, settings
 from hypothesis import strategies as st
 from trilinear_twin import (
-    PICTURES,
+    IMAGES,
     RAYS,
     TRIANGLES,
     RayTriangles,
     evaluated,
     held,
+    image_points,
     magnitudes,
     meet,
-    picture_points,
     planned,
     ray_triangle,
     scene_triangles,
@@ -42,7 +42,7 @@ NOISE = 1e-11
 
 
 def check(rays: RayTriangles, triangles: np.ndarray, points: np.ndarray, near: float = 0.0) -> int:
-    """Hold a plan against brute force at picture points. Returns the number of hits."""
+    """Hold a plan against brute force at image points. Returns the number of hits."""
     beams, plan = planned(rays, triangles, near)
     pace = np.linalg.norm(rays.directions[0], axis=1).max()
     meeting = meet(rays, triangles, points)
@@ -92,16 +92,16 @@ def exact(meeting, face, hit, values, noise, slack, near):
 @QUICK
 @given(
     st.sampled_from(RAYS),
-    st.sampled_from(PICTURES),
+    st.sampled_from(IMAGES),
     st.sampled_from(TRIANGLES),
     st.sampled_from([0.0, 0.7]),
     st.integers(0, 2**32 - 1),
 )
-def test_a_plan_holds_what_rays_meet(rays, picture, kind, near, seed):
+def test_a_plan_holds_what_rays_meet(rays, image, kind, near, seed):
     random = np.random.default_rng(seed)
-    seen_by = ray_triangle(rays, picture, random)
+    seen_by = ray_triangle(rays, image, random)
     triangles, places = scene_triangles(kind, seen_by, 12, random)
-    check(seen_by, triangles, np.concatenate([places, picture_points(seen_by, 150, random)]), near)
+    check(seen_by, triangles, np.concatenate([places, image_points(seen_by, 150, random)]), near)
 
 
 def scene(count: int = 40, seed: int = 0, rays: int = 30) -> tuple[RayTriangles, np.ndarray]:
@@ -162,7 +162,7 @@ def growing_from(pairs: int, pieces: int):
 def test_a_ray_triangle_sees_of_its_own_group_what_it_may(sees):
     rays, triangles = scene()
     group = (np.arange(len(triangles)) % 3).astype(np.int32)
-    count = len(rays.picture)
+    count = len(rays.image)
     own = Own(
         np.arange(count, dtype=np.int32),
         (np.arange(count) % 3).astype(np.int32),
@@ -212,7 +212,7 @@ def triangles_of(scene: Scene) -> np.ndarray:
 
 
 def corners_of(rays: RayMesh) -> RayTriangles:
-    return RayTriangles(rays.picture[rays.faces], rays.origins[rays.faces], rays.directions[rays.faces])
+    return RayTriangles(rays.image[rays.faces], rays.origins[rays.faces], rays.directions[rays.faces])
 
 
 def from_camera(rays: RayMesh) -> tuple[RayTriangles, np.ndarray]:

@@ -125,18 +125,18 @@ def test_mirrors_behind_the_eye_or_turned_away_are_as_if_not_there():
     backward = Camera(position=(0.02, 0.5, -1.0), target=(0.0, 0.5, 0.0), field_of_view=32.0)
     for mirror in (flat_mirror(), spherical_mirror()):
         turned = scene_with(mirror, camera=backward)
-        frame, truth = (drawn(turned, method) for method in ("trilinear", "raytrace"))
+        frame, reference = (drawn(turned, method) for method in ("trilinear", "raytrace"))
         assert not frame.specular.any()
-        # The matt back of a mirror is seen.
-        assert (frame.object_id == truth.object_id).all() and (frame.object_id == 1).sum() > 100
+        # The diffuse back of a mirror is seen.
+        assert (frame.object_id == reference.object_id).all() and (frame.object_id == 1).sum() > 100
 
 
-def test_ray_meshes_without_triangles_in_the_picture_see_nothing():
+def test_ray_meshes_without_triangles_in_the_image_see_nothing():
     scene, whole = cube_scene(), cameras.pinhole(CUBE_CAMERA, SIZE)
     empty = {
         "no triangle": replace(whole, faces=whole.faces[:0]),
-        "beside the picture": replace(whole, picture=whole.picture + np.array([500.0, 0.0, 0.0])),
-        "of no area": replace(whole, picture=whole.picture * [1.0, 0.0, 1.0] + [0.0, 20.3, 0.0]),
+        "beside the image": replace(whole, image=whole.image + np.array([500.0, 0.0, 0.0])),
+        "of no area": replace(whole, image=whole.image * [1.0, 0.0, 1.0] + [0.0, 20.3, 0.0]),
         "no direction": replace(whole, directions=np.zeros_like(whole.directions)),
     }
     for name, camera in empty.items():
@@ -158,16 +158,16 @@ def test_single_rays_of_no_direction_leave_the_others_alone():
     silenced = whole.faces[len(whole.faces) // 2]
     directions[silenced] = 0.0
     camera = replace(whole, directions=directions)
-    truth, frame, before = (
+    reference, frame, before = (
         again(Specification.parse(method).open(View(scene, mesh, SIZE)), mesh)
         for method, mesh in (("raytrace", camera), ("trilinear", camera), ("trilinear", whole))
     )
     assert np.isfinite(frame.color).all() and np.isfinite(frame.position).all()
-    nothing = truth.status == Status.OUTSIDE
+    nothing = reference.status == Status.OUTSIDE
     assert nothing.sum() > 20
     assert ((frame.status == Status.OUTSIDE) == nothing).mean() > 0.998
-    assert (frame.object_id == truth.object_id).mean() > 0.995
-    unchanged = (truth.position == again_of(scene, whole).position).all(axis=-1)
+    assert (frame.object_id == reference.object_id).mean() > 0.995
+    unchanged = (reference.position == again_of(scene, whole).position).all(axis=-1)
     assert unchanged.any() and (frame.color == before.color)[unchanged].all(axis=-1).mean() > 0.99
 
 

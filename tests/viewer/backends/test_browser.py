@@ -25,9 +25,9 @@ def browser(playwright):
         yield running
 
 
-def inside(picture: np.ndarray, rectangle: list[float]) -> np.ndarray:
+def inside(image: np.ndarray, rectangle: list[float]) -> np.ndarray:
     left, top, right, bottom = (round(edge) for edge in rectangle)
-    return picture[top:bottom, left:right].astype(float)
+    return image[top:bottom, left:right].astype(float)
 
 
 def changed(before: np.ndarray, after: np.ndarray) -> float:
@@ -42,34 +42,34 @@ def test_the_divider_a_slider_the_method_and_a_click_do_what_they_are_for(browse
         assert tab.page.title() == "flat-mirror - Anamorph"
         assert snapshot["size"] == [1000, 640]
         view = [snapshot["rectangles"]["panel"][2], 0.0, 1000.0, 600.0]
-        at_first = tab.picture()
+        at_first = tab.image()
         assert inside(at_first, view).std() > 20.0
 
         tab.click(*tab.center("first/method"))
         tab.wait_until(lambda snapshot: "first/method/environment" in snapshot["rectangles"], "the list of methods")
         tab.click(*tab.center("first/method/environment"))
         tab.wait_until(lambda snapshot: snapshot["state"]["first"]["method"] == "environment" and snapshot["at_rest"])
-        wait_until(lambda: changed(inside(at_first, view), inside(tab.picture(), view)) > 0.02, "another picture")
+        wait_until(lambda: changed(inside(at_first, view), inside(tab.image(), view)) > 0.02, "another image")
 
         tab.key("s")
         snapshot = tab.wait_until(lambda snapshot: snapshot["state"]["split"] and "divider" in snapshot["rectangles"])
         tab.wait_until(lambda snapshot: snapshot["at_rest"], "rest")
-        split = tab.picture()
+        split = tab.image()
         x, y = tab.center("divider")
         tab.drag((x, y), (x + 150.0, y))
         snapshot = tab.wait_until(lambda snapshot: snapshot["state"]["divider"] > 0.6 and snapshot["at_rest"])
         assert tab.center("divider")[0] == pytest.approx(x + 150.0, abs=2.0)
         # what lies between the old place and the new one is now drawn by the environment map, and nothing else is
         between = [x + 10.0, 0.0, x + 140.0, 560.0]
-        wait_until(lambda: changed(inside(split, between), inside(tab.picture(), between)) > 0.02, "the other half")
+        wait_until(lambda: changed(inside(split, between), inside(tab.image(), between)) > 0.02, "the other half")
         beyond = [x + 180.0, 0.0, 1000.0, 560.0]
-        assert changed(inside(split, beyond), inside(tab.picture(), beyond)) < 0.01
+        assert changed(inside(split, beyond), inside(tab.image(), beyond)) < 0.01
 
-        before = tab.picture()
+        before = tab.image()
         x, y = tab.center("mirror/swivel")
         tab.drag((x, y), (x + 40.0, y))
         tab.wait_until(lambda snapshot: snapshot["state"]["values"].get("mirror/swivel") and snapshot["at_rest"])
-        wait_until(lambda: changed(inside(before, beyond), inside(tab.picture(), beyond)) > 0.05, "a turned mirror")
+        wait_until(lambda: changed(inside(before, beyond), inside(tab.image(), beyond)) > 0.05, "a turned mirror")
 
         tab.click(900.0, 330.0)
         snapshot = tab.wait_until(lambda snapshot: snapshot["inspection"], "what is seen there")
@@ -84,7 +84,7 @@ def test_the_divider_a_slider_the_method_and_a_click_do_what_they_are_for(browse
 def test_another_scene_is_opened_from_the_keyboard_and_the_page_is_called_after_it(browser, tmp_path):
     with served(tmp_path, "flat-mirror") as viewer, tab_of(browser, viewer) as tab:
         tab.wait_until(lambda snapshot: snapshot["at_rest"], "rest")
-        before = tab.picture()
+        before = tab.image()
         press = "new KeyboardEvent('keydown', { key: 'o', ctrlKey: true, cancelable: true })"
         assert tab.page.evaluate(f"!window.dispatchEvent({press})"), "the browser would open a file of its own"
         tab.page.keyboard.press("Control+o")
@@ -104,15 +104,15 @@ def test_another_scene_is_opened_from_the_keyboard_and_the_page_is_called_after_
         tab.wait_until(lambda snapshot: snapshot["scene"] == "spheres" and snapshot["at_rest"], "the other scene")
         wait_until(lambda: tab.page.title() == "spheres - Anamorph", "its title")
         view = [300.0, 60.0, 1000.0, 600.0]
-        wait_until(lambda: changed(inside(before, view), inside(tab.picture(), view)) > 0.5, "its picture")
+        wait_until(lambda: changed(inside(before, view), inside(tab.image(), view)) > 0.5, "its image")
         tab.page.reload()
-        tab.wait_for_picture()
+        tab.wait_for_image()
         assert tab.page.title() == "spheres - Anamorph"
         assert tab.complaints == []
         assert viewer.interrupt() == (0, "")
 
 
-def test_the_picture_follows_the_window_and_the_tab_that_controls_it(browser, tmp_path):
+def test_the_image_follows_the_window_and_the_tab_that_controls_it(browser, tmp_path):
     with served(tmp_path, "flat-mirror") as viewer, tab_of(browser, viewer, has_touch=True) as tab:
         tab.wait_until(lambda snapshot: snapshot["size"] == [1000, 640])
         tab.page.set_viewport_size({"width": 640, "height": 400})

@@ -1,4 +1,4 @@
-"""The viewer in a notebook, without one: messages as the page's widget sends them, and the pictures it is sent.
+"""The viewer in a notebook, without one: messages as the page's widget sends them, and the images it is sent.
 
 JupyterLab has messages from the page handled on a thread with an event loop of its own, and so has the page here.
 """
@@ -33,10 +33,10 @@ POINTER: dict[str, Any] = {"button": 1, "modifiers": [], "ntouches": 0, "touches
 
 
 class Page:
-    """What stands for the browser: it says its size, and confirms the pictures it is sent."""
+    """What stands for the browser: it says its size, and confirms the images it is sent."""
 
     def __init__(self, widget: Any, ear: asyncio.AbstractEventLoop) -> None:
-        self.widget, self.pictures, self._ear = widget, [], ear
+        self.widget, self.images, self._ear = widget, [], ear
         self.threads: set[threading.Thread] = set()
         self._submit = widget.submit_event
         widget.send, widget.submit_event = self.receive, self.submit
@@ -45,13 +45,13 @@ class Page:
     async def open(self) -> None:
         self.set("_views", 1)
         self.say("resize", width=SIZE[0], height=SIZE[1], pwidth=SIZE[0], pheight=SIZE[1], ratio=1.0)
-        # So that it is the page which has the first picture drawn.
+        # So that it is the page which has the first image drawn.
         await until(lambda: self.widget._rfb_draw_requested)
         self.set("_has_visible_views", True)
 
     def receive(self, message: dict[str, Any], buffers: list[bytes]) -> None:
         if message["type"] == "framebufferdata":
-            self.pictures.append(np.asarray(Image.open(io.BytesIO(buffers[0])).convert("RGB")).astype(float))
+            self.images.append(np.asarray(Image.open(io.BytesIO(buffers[0])).convert("RGB")).astype(float))
             self.set(
                 "_frame_feedback", {"index": message["index"], "timestamp": message["timestamp"], "localtime": 0.0}
             )
@@ -72,9 +72,9 @@ class Page:
         self.say("pointer_move", x=420, y=170, buttons=[1], **POINTER)
         self.say("pointer_up", x=420, y=170, buttons=[], **POINTER)
 
-    async def picture_like(self, predicate: Any) -> np.ndarray:
-        await until(lambda: self.pictures and predicate(self.pictures[-1]))
-        return self.pictures[-1]
+    async def image_like(self, predicate: Any) -> np.ndarray:
+        await until(lambda: self.images and predicate(self.images[-1]))
+        return self.images[-1]
 
 
 async def until(happened: Callable[[], Any]) -> None:
@@ -99,13 +99,13 @@ def ear() -> Iterator[asyncio.AbstractEventLoop]:
         loop.close()
 
 
-def show(picture: np.ndarray) -> bool:
+def show(image: np.ndarray) -> bool:
     """Whether there is more than the panel."""
-    return picture.shape == (SIZE[1], SIZE[0], 3) and picture[:, 300:].std() > 20.0
+    return image.shape == (SIZE[1], SIZE[0], 3) and image[:, 300:].std() > 20.0
 
 
-def share_changed(picture: np.ndarray, before: np.ndarray) -> float:
-    return float(np.mean(np.abs(picture - before)[:, 300:].max(-1) > 24.0))
+def share_changed(image: np.ndarray, before: np.ndarray) -> float:
+    return float(np.mean(np.abs(image - before)[:, 300:].max(-1) > 24.0))
 
 
 def test_a_cell_shows_the_viewer_which_follows_the_pointer(monkeypatch):
@@ -116,9 +116,9 @@ def test_a_cell_shows_the_viewer_which_follows_the_pointer(monkeypatch):
         assert [float(length.removesuffix("px")) for length in (widget._css_width, widget._css_height)] == [*SIZE]
         page = Page(widget, loop)
         await page.open()
-        first = await page.picture_like(show)
+        first = await page.image_like(show)
         page.drag()
-        await page.picture_like(lambda picture: share_changed(picture, first) > 0.05)
+        await page.image_like(lambda image: share_changed(image, first) > 0.05)
         assert page.threads == {threading.current_thread()}
         widget.close()
         await until(widget.get_closed)
@@ -135,9 +135,9 @@ def test_a_viewer_that_nobody_sees_is_let_go_of_and_goes_on_where_it_was(monkeyp
         assert widget._canvas_context is None
         page = Page(widget, loop)
         await page.open()
-        first = await page.picture_like(show)
+        first = await page.image_like(show)
         page.drag()
-        await page.picture_like(lambda picture: share_changed(picture, first) > 0.05)
+        await page.image_like(lambda image: share_changed(image, first) > 0.05)
         viewer = weakref.ref(widget._draw_frame.__self__)
         page.set("_views", 0)
 
@@ -147,10 +147,10 @@ def test_a_viewer_that_nobody_sees_is_let_go_of_and_goes_on_where_it_was(monkeyp
 
         await until(gone)
         assert widget.get_wgpu_context().get_configuration() is None
-        page.pictures.clear()
+        page.images.clear()
         page.say("pointer_leave", x=0, y=0, buttons=[], **POINTER)
         page.set("_views", 1)
-        again = await page.picture_like(show)
+        again = await page.image_like(show)
         assert share_changed(again, first) > 0.05
         widget.close()
         page.set("_views", 0)
@@ -168,14 +168,14 @@ def test_a_device_that_is_lost_while_nobody_looks_is_replaced(monkeypatch):
         widget = an.view("flat-mirror", "environment", size=SIZE)
         page = Page(widget, loop)
         await page.open()
-        await page.picture_like(show)
+        await page.image_like(show)
         page.set("_views", 0)
         await until(lambda: widget.get_wgpu_context().get_configuration() is None)
         get_device().destroy()
-        page.pictures.clear()
+        page.images.clear()
         page.say("pointer_leave", x=0, y=0, buttons=[], **POINTER)
         page.set("_views", 1)
-        await page.picture_like(show)
+        await page.image_like(show)
         widget.close()
         await asyncio.sleep(0.3)
 

@@ -188,8 +188,8 @@ def resized(width: int, height: int) -> str:
     return json.dumps({"type": "resize", "timestamp": 0.0, **size})
 
 
-async def next_picture(socket: Any) -> tuple[dict[str, Any], bytes]:
-    """What announces a picture, and the picture."""
+async def next_image(socket: Any) -> tuple[dict[str, Any], bytes]:
+    """What announces an image, and the image."""
     announced: dict[str, Any] = {}
     while True:
         message = await asyncio.wait_for(socket.recv(), PATIENCE)
@@ -198,8 +198,8 @@ async def next_picture(socket: Any) -> tuple[dict[str, Any], bytes]:
         announced = json.loads(message)
 
 
-async def confirm(socket: Any, picture: dict[str, Any]) -> None:
-    said = {"type": "_framefeedback", "index": picture["index"], "timestamp": picture["timestamp"], "localtime": 0.0}
+async def confirm(socket: Any, image: dict[str, Any]) -> None:
+    said = {"type": "_framefeedback", "index": image["index"], "timestamp": image["timestamp"], "localtime": 0.0}
     await socket.send(json.dumps(said))
 
 
@@ -219,22 +219,22 @@ def test_a_live_server_refuses_strangers(viewer, cookie):
     asyncio.run(knock())
 
 
-def test_a_browser_that_confirms_nothing_is_sent_two_pictures_and_no_more(viewer, cookie):
+def test_a_browser_that_confirms_nothing_is_sent_two_images_and_no_more(viewer, cookie):
     async def stare() -> list[dict[str, Any]]:
-        pictures = []
+        images = []
         async with opened(viewer, cookie) as socket:
             for count in range(2):
                 await socket.send(resized(160, 120 + count))
-                pictures.append((await next_picture(socket))[0])
+                images.append((await next_image(socket))[0])
             for count in range(20):
                 await socket.send(resized(160, 130 + count))
             with pytest.raises(TimeoutError):
-                await asyncio.wait_for(next_picture(socket), 1.0)
-            await confirm(socket, pictures[-1])
-            pictures.append((await next_picture(socket))[0])
-        return pictures
+                await asyncio.wait_for(next_image(socket), 1.0)
+            await confirm(socket, images[-1])
+            images.append((await next_image(socket))[0])
+        return images
 
-    assert [picture["index"] for picture in asyncio.run(stare())] == [1, 2, 3]
+    assert [image["index"] for image in asyncio.run(stare())] == [1, 2, 3]
 
 
 def test_a_page_that_sends_and_confirms_nothing_makes_way_for_the_next(viewer, cookie):
@@ -252,17 +252,17 @@ def test_a_page_that_sends_and_confirms_nothing_makes_way_for_the_next(viewer, c
             assert closed.value.rcvd.code == TRY_AGAIN_LATER
             await waiting.send(resized(300, 120))
             while snapshot(viewer, cookie)["size"] != [300, 120]:
-                await confirm(waiting, (await next_picture(waiting))[0])
+                await confirm(waiting, (await next_image(waiting))[0])
 
     asyncio.run(flood())
 
 
-def test_who_comes_after_a_closed_tab_sees_the_picture_in_its_own_size(viewer, cookie):
+def test_who_comes_after_a_closed_tab_sees_the_image_in_its_own_size(viewer, cookie):
     async def look(width: int) -> bytes:
         async with opened(viewer, cookie) as socket:
             await socket.send(resized(width, 120))
             while True:
-                announced, data = await next_picture(socket)
+                announced, data = await next_image(socket)
                 await confirm(socket, announced)
                 if snapshot(viewer, cookie)["size"] == [width, 120]:
                     return data
@@ -286,7 +286,7 @@ def test_what_is_no_event_ends_nothing(viewer, cookie):
                 await socket.send(said)
             await socket.send(b"bytes")
             await socket.send(resized(160, 120))
-            await next_picture(socket)
+            await next_image(socket)
 
     asyncio.run(babble())
     assert snapshot(viewer, cookie)["scene"] == "car-mirror"

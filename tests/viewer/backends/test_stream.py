@@ -16,11 +16,11 @@ MOVE = json.dumps({"type": "pointer_move", "timestamp": 0.0, "x": 1.0, "y": 1.0}
 
 
 class Line:
-    """A connection over which messages come, and the application at its end, which sends some pictures first."""
+    """A connection over which messages come, and the application at its end, which sends some images first."""
 
-    def __init__(self, *messages: str | bytes, pictures: int = 0, each_drawn: bool = False) -> None:
+    def __init__(self, *messages: str | bytes, images: int = 0, each_drawn: bool = False) -> None:
         self._coming = [{"type": "websocket.receive", "text" if isinstance(m, str) else "bytes": m} for m in messages]
-        self._pictures, self._each_drawn = pictures, each_drawn
+        self._images, self._each_drawn = images, each_drawn
         self.drawn = 0
         self.heard: list[str] = []
         self.said: list[dict[str, Any]] = []
@@ -33,9 +33,9 @@ class Line:
         self.said.append(message)
 
     async def _inside(self, scope: Any, receive: Any, send: Any) -> None:
-        for _ in range(self._pictures):
+        for _ in range(self._images):
             await send({"type": "websocket.send", "text": "{}"})
-            await send({"type": "websocket.send", "bytes": b"picture"})
+            await send({"type": "websocket.send", "bytes": b"image"})
         while (message := await receive())["type"] != "websocket.disconnect":
             self.heard.append(message["text"])
             self.drawn += self._each_drawn
@@ -63,15 +63,15 @@ def test_so_is_one_whose_messages_mean_nothing():
     assert (line.heard, line.ended["code"]) == ([], TRY_AGAIN_LATER)
 
 
-def test_a_page_that_waits_for_pictures_goes_on():
+def test_a_page_that_waits_for_images_goes_on():
     line = Line(*[MOVE] * (MOST_WAITING + 10), each_drawn=True).run()
     assert len(line.heard) == MOST_WAITING + 10
     assert line.said == []
 
 
-def test_pictures_that_have_not_been_sent_cannot_be_confirmed():
+def test_images_that_have_not_been_sent_cannot_be_confirmed():
     tried = [0, 1, 2, 3, -1, 10**9, True, 1.0, "1", None, [1], float("nan")]
-    line = Line(*map(confirmed, tried), pictures=2).run()
+    line = Line(*map(confirmed, tried), images=2).run()
     assert line.heard == [confirmed(1), confirmed(2)]
 
 
@@ -99,7 +99,7 @@ def impatient(monkeypatch):
 
 def test_a_page_that_takes_nothing_is_ended(impatient):
     with pytest.raises(ClientDisconnected):
-        Stuck(pictures=1).run()
+        Stuck(images=1).run()
 
 
 def test_so_is_one_that_sends_on_and_takes_nothing(impatient):

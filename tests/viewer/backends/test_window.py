@@ -28,7 +28,7 @@ class Display:
         self.environment.pop("WAYLAND_DISPLAY", None)
         self._file = file
 
-    def picture(self) -> np.ndarray:
+    def image(self) -> np.ndarray:
         """(H, W, 3) uint8. The file is a window dump: a header of big-endian words, a colour map, and BGRX pixels."""
         data = self._file.read_bytes()
         header = np.frombuffer(data, ">u4", 25)
@@ -89,19 +89,19 @@ def test_a_window_opens_follows_the_mouse_and_closes(display, tmp_path):
         assert f"WIDTH={SCREEN[0]}\n" in geometry, "the window fits the screen, which is narrower than it would be"
 
         def scene() -> np.ndarray:
-            return display.picture()[50:550, 320:].astype(float)
+            return display.image()[50:550, 320:].astype(float)
 
-        wait_until(lambda: scene().std() > 20.0, "a picture")
+        wait_until(lambda: scene().std() > 20.0, "an image")
         before = scene()
         display.do("mousemove", 600, 300, "mousedown", 1)
         display.do("mousemove", 720, 330)
         display.do("mousemove", 760, 340, "mouseup", 1)
-        wait_until(lambda: np.mean(np.abs(scene() - before).max(-1) > 24.0) > 0.05, "another picture")
+        wait_until(lambda: np.mean(np.abs(scene() - before).max(-1) > 24.0) > 0.05, "another image")
 
         display.do("windowsize", "--sync", window, 800, 600)
         # beside the window, the screen is bare; in its lower right corner, the status line says how to get help
-        wait_until(lambda: display.picture()[:, 810:].std() == 0.0, "the smaller window")
-        wait_until(lambda: display.picture()[580:600, 600:800].std() > 5.0, "its picture")
+        wait_until(lambda: display.image()[:, 810:].std() == 0.0, "the smaller window")
+        wait_until(lambda: display.image()[580:600, 600:800].std() > 5.0, "its image")
         process.send_signal(signal.SIGINT)
         assert process.wait(PATIENCE) == 0
         said = errors.read_text()

@@ -18,7 +18,7 @@ from anamorph.scene.camera import Camera
 from anamorph.scene.model import Glass, Scene
 from anamorph.viewer.controls import scene_controls
 from anamorph.viewer.facts import Facts, Figures, Inspection, Progress, Request, Stop
-from anamorph.viewer.layout import picture_area
+from anamorph.viewer.layout import image_area
 from anamorph.viewer.observer import first_observer
 from anamorph.viewer.panel import results
 from anamorph.viewer.panel.legend import half_caption
@@ -265,7 +265,7 @@ def test_what_runs_can_be_cancelled_and_what_is_said_dismissed(opened) -> None:
     stage.press("cancel")
     stage.press("message/close")
     assert stage.requests == [Request.CANCEL, Request.DISMISS]
-    pressed(stage, "section/save", Request.SAVE_PICTURE)
+    pressed(stage, "section/save", Request.SAVE_IMAGE)
     assert stage.requests == [Request.CANCEL, Request.DISMISS], "nothing else is saved while something is"
 
 
@@ -304,7 +304,7 @@ def test_nothing_overlaps_and_all_lies_in_the_canvas_or_the_scrolled_panel(opene
     over = [found[key] for key in BOXES - {"panel/body"} if key in found and key != "divider"]
     assert all(inside(each, canvas) for each in over)
     assert not any(overlap(one, other) for one, other in combinations(over, 2))
-    left, _, right, _ = picture_area(size, True)
+    left, _, right, _ = image_area(size, True)
     divider = (left + right) / 2
     assert all(found[key][2] <= divider for key in ("first/caption", "first/statuses") if key in found)
     assert found["second/scale"][0] >= divider
@@ -332,7 +332,7 @@ def test_the_help_lists_every_key_within_the_canvas(opened, size) -> None:
 def test_legends_keep_to_their_half(opened, divider, panel) -> None:
     half = Half(Specification.parse("pervertex"), Aspect.ERROR)
     stage = opened(split=True, divider=divider, first=half, second=half, panel=panel)
-    left, _, right, _ = picture_area(SIZE, panel)
+    left, _, right, _ = image_area(SIZE, panel)
     found, x = stage.drawn.rectangles, left + divider * (right - left)
     for name in ("caption", "scale"):
         first, second = found.get(f"first/{name}"), found.get(f"second/{name}")
@@ -390,16 +390,16 @@ def test_a_newly_picked_pixel_is_scrolled_into_view(opened) -> None:
 def test_a_view_that_opens_with_a_picked_pixel_begins_at_its_top(opened) -> None:
     stage = opened((640, 480), told={"inspection": SEEN}, picked=(0.3, 0.4))
     stage.frames(3)
-    top = opened((640, 480)).drawn.rectangles["section/picture"]
-    assert stage.drawn.rectangles["section/picture"] == top
+    top = opened((640, 480)).drawn.rectangles["section/image"]
+    assert stage.drawn.rectangles["section/image"] == top
     stage.state = replace(stage.state, opening="")
     stage.frames(2)
     stage.state = replace(stage.state, opening=None, picked=(0.5, 0.5))
     stage.frames(3)
-    assert stage.drawn.rectangles["section/picture"] == top, "opened from within"
+    assert stage.drawn.rectangles["section/image"] == top, "opened from within"
     stage.state = replace(stage.state, picked=(0.6, 0.5))
     stage.frames(3)
-    assert stage.drawn.rectangles["section/picture"] != top
+    assert stage.drawn.rectangles["section/image"] != top
 
 
 def told_by(monkeypatch, opened, **told) -> dict[str, tuple[str, ...]]:
@@ -413,12 +413,12 @@ def told_by(monkeypatch, opened, **told) -> dict[str, tuple[str, ...]]:
 def test_counts_of_nothing_are_left_out(opened, monkeypatch) -> None:
     assert told_by(monkeypatch, opened, samples_done=3, samples_total=16)["samples"] == ("3 of 16",)
     assert "samples" not in told_by(monkeypatch, opened, samples_total=0)
-    rows = told_by(monkeypatch, opened, picture=(0, 0), samples_total=16)
+    rows = told_by(monkeypatch, opened, image=(0, 0), samples_total=16)
     assert not {"samples", "drawn", "at rest"} & rows.keys() and "adapter" in rows
 
 
 def test_the_status_line_says_no_size_of_nothing(opened) -> None:
-    bare, empty = opened(told={"picture": (0, 0), "samples_total": 16}), opened(told={"picture": (0, 0)})
+    bare, empty = opened(told={"image": (0, 0), "samples_total": 16}), opened(told={"image": (0, 0)})
     drawn = opened(told={"samples_total": 16})
     _, top, _, bottom = (round(edge) for edge in bare.drawn.rectangles["status"])
     beside = np.s_[top:bottom, :300]
@@ -464,7 +464,7 @@ def test_lines_end_between_words(opened, monkeypatch, text, width) -> None:
     ("specification", "said"),
     [("raytrace", "truth"), ("raytrace:bounces=2", "raytrace, bounces 2"), ("pervertex", "pervertex")],
 )
-def test_a_method_is_called_the_same_over_the_picture_and_beside_it(opened, monkeypatch, specification, said) -> None:
+def test_a_method_is_called_the_same_over_the_image_and_beside_it(opened, monkeypatch, specification, said) -> None:
     rows = {}
     monkeypatch.setattr(results, "row", lambda label, *values: rows.update({label: values}))
     stage = opened(told={"inspection": replace(SEEN, method=Specification.parse(specification))}, picked=(0.5, 0.5))
@@ -479,7 +479,7 @@ def test_the_panel_says_where_the_truth_follows_more_mirrors() -> None:
 
     assert said("pervertex:bounces=2", several) == said("trilinear", several) != ""
     assert "2 mirrors" in said("trilinear", several) and "3 mirrors" in said("pervertex", several)
-    assert "the truth over 8" in said("pervertex", several) and f"{BOUNCES} in the options" in said(
+    assert "the reference over 8" in said("pervertex", several) and f"{BOUNCES} in the options" in said(
         "pervertex", several
     )
     for silent in ("pervertex:bounces=8", "raytrace", "raytrace:bounces=20", "environment"):

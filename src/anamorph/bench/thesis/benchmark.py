@@ -145,19 +145,19 @@ def measure_thesis(
     names, chosen = tuple(configurations())[: extent.configurations], cases(extent.case_scale)[: extent.cases]
     sides, frames, done = extent.configuration_sides, extent.frames, count()
 
-    def tell(what: str) -> None:
+    def as_step(what: str) -> None:
         report(next(done), sum(runs[part][0] for part in parts), what)
 
     runs: dict[str, tuple[int, Callable[[], list]]] = {
-        "random": (len(places), lambda: time_random(places, timed, frames, tell)),
-        "clipping": (len(clipped), lambda: time_random(clipped, (STRAIGHT, CLIPPED_STRAIGHT), frames, tell)),
-        "configurations": (len(names) * len(sides), lambda: time_configurations(names, sides, timed, frames, tell)),
+        "random": (len(places), lambda: time_random(places, timed, frames, as_step)),
+        "clipping": (len(clipped), lambda: time_random(clipped, (STRAIGHT, CLIPPED_STRAIGHT), frames, as_step)),
+        "configurations": (len(names) * len(sides), lambda: time_configurations(names, sides, timed, frames, as_step)),
         "tessellation": (
             len(names),
-            lambda: measure_tessellation(names, extent.sides[-1], extent.factors, frames, tell),
+            lambda: measure_tessellation(names, extent.sides[-1], extent.factors, frames, as_step),
         ),
-        "growth": (len(extent.growth), lambda: time_random(extent.growth, timed, frames, tell)),
-        "cases": (len(chosen), lambda: time_cases(chosen, drawn, frames, tell)),
+        "growth": (len(extent.growth), lambda: time_random(extent.growth, timed, frames, as_step)),
+        "cases": (len(chosen), lambda: time_cases(chosen, drawn, frames, as_step)),
     }
     return Results(adapter_name(), cores(), **{part: runs[part][1]() for part in PARTS if part in parts})
 

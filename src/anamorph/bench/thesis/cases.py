@@ -1,4 +1,4 @@
-"""The pictures of chapters 6 and 7 at their resolutions: table 8.1, at one sample a pixel and at equal quality."""
+"""The images of chapters 6 and 7 at their resolutions: table 8.1, at one sample a pixel and at equal quality."""
 
 from __future__ import annotations
 
@@ -20,8 +20,8 @@ from anamorph.methods.averaging import averaging
 from anamorph.raymesh import RayMesh
 from anamorph.scene.model import Scene
 
-TRUTH_SIDE = 4
-"""The truth has 16 samples a pixel."""
+REFERENCE_SIDE = 4
+"""The reference has 16 samples a pixel."""
 MOST_SIDE = 3
 """No method gets more than 9 frames to reach equal quality."""
 GOAL_SIDE = 2
@@ -66,7 +66,7 @@ class CaseTime:
 
 
 def cases(scale: float = 1.0) -> list[Case]:
-    """All rows of table 8.1, pictures `scale` times as wide and high."""
+    """All rows of table 8.1, images `scale` times as wide and high."""
     made = []
     for row in rows("table-8-1"):
         size = tuple(max(1, round(scale * int(row[side]))) for side in ("width", "height"))
@@ -106,7 +106,7 @@ def time_cases(
     chosen: Sequence[Case],
     methods: Sequence[Specification],
     frames: int,
-    tell: Callable[[str], None] = lambda what: None,
+    report: Callable[[str], None] = lambda what: None,
 ) -> list[CaseTime]:
     """Time every case by the tracer and `methods`.
 
@@ -114,20 +114,20 @@ def time_cases(
     """
     timed = []
     for case in chosen:
-        tell(f"figure {case.figure}, {case.size[0]} x {case.size[1]}")
+        report(f"figure {case.figure}, {case.size[0]} x {case.size[1]}")
         specifications = {_as_seen(method, case): method for method in (Specification.parse(COMPETITOR), *methods)}
         times = time_methods(case.scene, case.rays, case.size, tuple(specifications), frames)
         view = View(case.scene, case.rays or case.scene.camera, case.size)
         sessions = open_sessions(view, specifications)
         tracer = sessions[next(iter(specifications))]
-        truth = drain(averaging(tracer, view.camera, TRUTH_SIDE))
-        goal = _flip(truth, tracer, view, GOAL_SIDE)
+        reference = drain(averaging(tracer, view.camera, REFERENCE_SIDE))
+        goal = _flip(reference, tracer, view, GOAL_SIDE)
         printed = next(row for row in rows("table-8-1") if row["figure"] == case.figure)
         for specification, method in specifications.items():
             timing = times.timings[specification]
-            flips = [_flip(truth, sessions[specification], view, 1)]
+            flips = [_flip(reference, sessions[specification], view, 1)]
             while flips[-1] > goal and len(flips) < MOST_SIDE:
-                flips.append(_flip(truth, sessions[specification], view, len(flips) + 1))
+                flips.append(_flip(reference, sessions[specification], view, len(flips) + 1))
             needed = frames_for(goal, flips)
             known = float(printed["ray_ms" if str(method) == COMPETITOR else "trilinear_ms"])
             timed.append(
@@ -139,8 +139,8 @@ def time_cases(
     return timed
 
 
-def _flip(truth: np.ndarray, session: Session, view: View, side: int) -> float:
-    return float(flip_map(truth, drain(averaging(session, view.camera, side))).mean())
+def _flip(reference: np.ndarray, session: Session, view: View, side: int) -> float:
+    return float(flip_map(reference, drain(averaging(session, view.camera, side))).mean())
 
 
 def _as_seen(method: Specification, case: Case) -> Specification:

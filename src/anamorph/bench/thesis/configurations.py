@@ -69,11 +69,11 @@ class TessellationError:
 
 
 def configuration_scene(name: str, side: int) -> tuple[Scene, RayMesh]:
-    """The scene triangle, and the ray triangle in the upper left half of a square picture of `side` pixels."""
+    """The scene triangle, and the ray triangle in the upper left half of a square image of `side` pixels."""
     numbers = configurations()[name]
-    picture = np.array([[0.0, 0.0, 1.0], [side, 0.0, 1.0], [0.0, side, 1.0]])
+    image = np.array([[0.0, 0.0, 1.0], [side, 0.0, 1.0], [0.0, side, 1.0]])
     faces, status = np.arange(3, dtype=np.int32)[None], np.zeros(3, np.uint8)
-    rays = RayMesh(picture, numbers[:, 3:6], numbers[:, 6:9], faces, status)
+    rays = RayMesh(image, numbers[:, 3:6], numbers[:, 6:9], faces, status)
     return loose_triangles(name, numbers[None, :, :3], COLORS), rays
 
 
@@ -82,13 +82,13 @@ def time_configurations(
     sides: Sequence[int],
     methods: Sequence[Specification],
     frames: int,
-    tell: Callable[[str], None] = lambda what: None,
+    report: Callable[[str], None] = lambda what: None,
 ) -> list[ConfigurationTime]:
     """Time every configuration at every resolution."""
     rows = []
     for name in names:
         for side in sides:
-            tell(f"configuration {name}, {side} x {side}")
+            report(f"configuration {name}, {side} x {side}")
             scene, rays = configuration_scene(name, side)
             for method, timing in time_methods(scene, rays, (side, side), methods, frames).timings.items():
                 table = RAY_TRACING_CONFIGURATIONS if str(method) == COMPETITOR else TRILINEAR_CONFIGURATIONS
@@ -102,21 +102,21 @@ def measure_tessellation(
     side: int,
     factors: Sequence[int],
     frames: int,
-    tell: Callable[[str], None] = lambda what: None,
+    report: Callable[[str], None] = lambda what: None,
 ) -> list[TessellationError]:
     """Time and error of every configuration, by exact edges and by both ways to tessellate, for every factor."""
     rows = []
     for name in names:
-        tell(f"configuration {name}: tessellation")
+        report(f"configuration {name}: tessellation")
         scene, rays = configuration_scene(name, side)
         view = View(scene, rays, (side, side))
         chosen = {(EXACT_EDGES, 0): EXACT}
         chosen |= {(way, factor): STRAIGHT.with_options(**{way: factor}) for way in TESSELLATION for factor in factors}
-        truth = draw_frame(view, Specification.parse(COMPETITOR)).color
+        reference = draw_frame(view, Specification.parse(COMPETITOR)).color
         counted = _within(side)
         for (way, factor), method in chosen.items():
             timing = time_methods(scene, rays, view.size, [method], frames).timings[method]
-            error = color_errors(truth, draw_frame(view, method).color, counted).relative_error
+            error = color_errors(reference, draw_frame(view, method).color, counted).relative_error
             known = _printed(name, side, way, factor)
             rows.append(TessellationError(name, side**2, way, factor, timing.median, timing.min, error, *known))
     return rows

@@ -89,10 +89,10 @@ def save_plot(path: Path, title: str, panels: Sequence[Panel]) -> None:
     handles = [Line2D([], [], color=color, linewidth=3, label=group) for group, color in colors.items()]
     handles += [Line2D([], [], color="black", label=kind, **style) for kind, style in styles.items()]
     figure.legend(handles=handles, loc="outside lower center", ncols=min(4, len(handles)))
-    picture = io.BytesIO()
-    figure.savefig(picture, format="png")
+    image = io.BytesIO()
+    figure.savefig(image, format="png")
     with whole_file(path) as file:
-        file.write(picture.getvalue())
+        file.write(image.getvalue())
 
 
 def _apart(values: Sequence[float], logarithmic: bool) -> list[float]:

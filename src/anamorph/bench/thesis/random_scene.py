@@ -29,7 +29,7 @@ LIGHTS = (AmbientLight((1.0, 1.0, 1.0), (1.0, 1.0, 1.0)),)
 
 
 def random_ray_mesh(quads: int, size: tuple[int, int], seed: int = 0, roughness: float = 1.0) -> RayMesh:
-    """2 quads^2 ray triangles that fill a picture of `size` (width, height) pixels."""
+    """2 quads^2 ray triangles that fill an image of `size` (width, height) pixels."""
     generator = np.random.default_rng([seed, quads])
     steps = np.linspace(-1.0, 1.0, quads + 1)
     regular = np.stack([*np.meshgrid(steps, -steps), np.ones((quads + 1, quads + 1))], axis=-1)

@@ -13,7 +13,7 @@ from anamorph.methods import Specification
 
 @dataclass(frozen=True, order=True)
 class Place:
-    """A square picture of random triangles: its side in pixels, quads along a side of the ray mesh, its roughness."""
+    """A square image of random triangles: its side in pixels, quads along a side of the ray mesh, its roughness."""
 
     side: int
     scene_triangles: int
@@ -45,7 +45,7 @@ class RandomTime:
 
     @property
     def pixels_a_ray_triangle(self) -> float:
-        """Of the picture, which the ray triangles share evenly."""
+        """Of the image, which the ray triangles share evenly."""
         return self.resolution_px / self.trilinear_projections
 
 
@@ -76,12 +76,12 @@ def time_random(
     places: Iterable[Place],
     methods: Sequence[Specification],
     frames: int,
-    tell: Callable[[str], None] = lambda what: None,
+    report: Callable[[str], None] = lambda what: None,
 ) -> list[RandomTime]:
     """Time all methods at each place."""
     rows = []
     for place in places:
-        tell(f"{place.scene_triangles:,} triangles, {place.projections} ray triangles, {place.side} x {place.side}")
+        report(f"{place.scene_triangles:,} triangles, {place.projections} ray triangles, {place.side} x {place.side}")
         size = (place.side, place.side)
         rays = random_ray_mesh(place.quads, size, roughness=place.roughness)
         times = time_methods(random_triangles(place.scene_triangles, rays), rays, size, methods, frames)

@@ -1,4 +1,4 @@
-"""Cube maps: pictures of the scene through six projections around a point, looked up by direction."""
+"""Cube maps: images of the scene through six projections around a point, looked up by direction."""
 
 from __future__ import annotations
 
@@ -130,7 +130,7 @@ class CubeMap:
         buffers: SceneBuffers,
         absent: Sequence[int],
     ) -> None:
-        projection, visible = self._projections[face], np.ones(len(buffers.bends), bool)
+        projection, visible = self._projections[face], np.ones(len(buffers.specular_meshes), bool)
         visible[list(absent)] = False
         depth_pass = begin_depth_pass(encoder, target)
         draw_depth(depth_pass, pipelines, buffers, projection, visible)

@@ -52,9 +52,9 @@ class Options:
     update : str
         When the cube map is drawn: "always", or "once" (static).
     face : int
-        Texels along an edge of the cube map; 0 takes one for each pixel of the picture, up to 1024.
+        Texels along an edge of the cube map; 0 takes one for each pixel of the image, up to 1024.
     antialias : int
-        Samples a pixel of the picture: 1 or 4.
+        Samples a pixel of the image: 1 or 4.
     """
 
     mode: str = option("cube", choices=("cube", "planar"))
@@ -64,9 +64,9 @@ class Options:
 
 
 def face_size(rays: RayMesh) -> int:
-    """Texels along an edge of a cube map that give each pixel of the picture one, by the median over the mesh."""
+    """Texels along an edge of a cube map that give each pixel of the image one, by the median over the mesh."""
     edges = np.concatenate([rays.faces[:, [0, 1]], rays.faces[:, [1, 2]]])
-    edges = edges[((rays.status == RayStatus.OK) & (rays.picture[:, 2] > 0.0))[edges].all(axis=1)]
+    edges = edges[((rays.status == RayStatus.OK) & (rays.image[:, 2] > 0.0))[edges].all(axis=1)]
     if not len(edges):
         return 64
     places = rays.places()
@@ -99,7 +99,7 @@ class _CubeReflector:
         self.indices, self._body = body.meshes, body
         (side,) = body.sides
         low, high = side.optics.positions.min(axis=0), side.optics.positions.max(axis=0)
-        rays, owner = self.rays(stage.view.pinhole, stage.view.size), stage.geometry.face_object[side.triangles]
+        rays, owner = self.rays(stage.view.pinhole_camera, stage.view.size), stage.geometry.face_object[side.triangles]
         parts = (replace(rays, faces=rays.faces[owner == each]) for each in side.objects)
         size = options.face or max(face_size(part) for part in parts)
         self.map = CubeMap((low + high) / 2.0, size, near=1e-3 * float(np.linalg.norm(high - low)))
@@ -190,7 +190,7 @@ def open_session(view: View, options: Options) -> Session:
     stage = Stage(view)
     if options.mode == "planar":
         _check_flat(view)
-        # The mirrored eye is the one point that all lines of a flat mirror share, and its picture needs no warp but
+        # The mirrored eye is the one point that all lines of a flat mirror share, and its image needs no warp but
         # the projective one that per-vertex reflection does.
         planar = PerVertexDrawing(stage, PerVertexOptions(antialias=options.antialias, bounces=PLANAR_BOUNCES))
         return Session(stage, planar, options.antialias)

@@ -12,7 +12,7 @@ numbers in brackets are its steps. A shader that is not listed has the name of i
 | 3.3 (2), 4.2, 4.3 | the view volume, also of converging rays and turned to the principal directions | `warp` |
 | 3.1 (3.1) | what each vertex ray hits | `bundle`, `surroundings`; what stands close to the body: `mounting` |
 | 3.4 (3.2 to 3.4) | where the map shows that hit: the vertex's texture coordinates | `warp` |
-| 4.4 | bodies in the maps of other bodies, and so on, level by level | `pictures`, `level` |
+| 4.4 | bodies in the maps of other bodies, and so on, level by level | `frame_maps`, `level` |
 | (2) | draw the maps, of which only what is looked up | `atlas`, `looked_up.wgsl`; mipmaps: `halving`, `halve.wgsl` |
 | (4) | draw the scene, and the bodies with their maps | `pervertex`; a lens (4.5): `lens.wgsl` |
 | 6, Figure 16 | where a map does not show what a ray meets | `inconsistency`; known to a pixel: `doubt.wgsl` |

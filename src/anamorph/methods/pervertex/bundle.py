@@ -1,4 +1,4 @@
-"""A patch's bundle of rays: how much of the picture each counts for, and what it hits.
+"""A patch's bundle of rays: how much of the image each counts for, and what it hits.
 
 Source: Kakimoto et al. 2007, sections 3.1 and 3.2.
 """
@@ -20,16 +20,16 @@ MAXIMUM_LAYERS = 8
 
 def part_of(rays: RayMesh, vertices: np.ndarray, faces: np.ndarray) -> RayMesh:
     """Some of a ray mesh's vertices, and the `faces` between them."""
-    picture, origins, directions, status = (
-        values[vertices] for values in (rays.picture, rays.origins, rays.directions, rays.status)
+    image, origins, directions, status = (
+        values[vertices] for values in (rays.image, rays.origins, rays.directions, rays.status)
     )
-    return RayMesh(picture, origins, directions, faces, status)
+    return RayMesh(image, origins, directions, faces, status)
 
 
 def pixel_weights(rays: RayMesh, facing: np.ndarray) -> np.ndarray:
-    """The share of the mirror's picture around each vertex that faces the eye: all that is seen counts alike."""
+    """The share of the mirror's image around each vertex that faces the eye: all that is seen counts alike."""
     places = rays.places()
-    faces = rays.faces[(facing & (rays.picture[:, 2] > 0.0))[rays.faces].all(axis=1)]
+    faces = rays.faces[(facing & (rays.image[:, 2] > 0.0))[rays.faces].all(axis=1)]
     areas = np.bincount(faces.ravel(), np.repeat(areas_of(places[faces]), 3), len(facing))[facing]
     return areas / areas.sum() if areas.sum() > 0.0 else np.full(len(areas), 1.0 / len(areas))
 

@@ -68,12 +68,12 @@ def plan_cube(
     own = body_rays.side.objects
     lookups, found = [], []
     for each in bundles:
-        ways = each.unit_directions()
-        crossing = _near_crossings(each.origins, ways, viewpoint, near)
+        directions = each.unit_directions()
+        crossing = _near_crossings(each.origins, directions, viewpoint, near)
         hits, distances, met = find_hits(each, np.maximum(crossing, past), own, surroundings, options.casts)
         valid = each.status != RayStatus.TOTAL_REFLECTION
         if options.strict:
-            first = surroundings.caster.cast(each.origins, ways, surroundings.caster.near).distance
+            first = surroundings.caster.cast(each.origins, directions, surroundings.caster.near).distance
             valid &= ~facing | (~met & ((occluder > 0) | (first >= crossing)))
         # As long as the ray to the eye: on a flat mirror that is the vertex's own offset from the viewpoint.
         towards = hits - viewpoint
@@ -126,8 +126,8 @@ def _near(
     size = size_of(rays.origins[facing])
     depths = (rays.origins - viewpoint) @ FORWARD.T
     # Half the way to what stands behind: between the vertices it may be nearer.
-    room = np.where(np.isfinite(behind)[:, None], np.maximum(outward @ FORWARD.T, 0.0), 0.0)
-    clear = np.where(room > 0.5, depths - 0.5 * np.where(np.isfinite(behind), behind, 0.0)[:, None] * room, -np.inf)
+    upward = np.where(np.isfinite(behind)[:, None], np.maximum(outward @ FORWARD.T, 0.0), 0.0)
+    clear = np.where(upward > 0.5, depths - 0.5 * np.where(np.isfinite(behind), behind, 0.0)[:, None] * upward, -np.inf)
     met = _met(rays.unit_directions(), corners) & facing
     near = np.full(6, NEAREST * size)
     for face in range(6):
@@ -141,12 +141,12 @@ def _near(
 def _near_crossings(origins: np.ndarray, directions: np.ndarray, viewpoint: np.ndarray, near: np.ndarray) -> np.ndarray:
     """How far each ray goes before it crosses the near plane of the face that it looks at, (N,)."""
     face = (directions @ FORWARD.T).argmax(axis=1)
-    ways = np.zeros(len(origins))
+    lengths = np.zeros(len(origins))
     for number in range(6):
         there = face == number
         plane = np.append(FORWARD[number], -(FORWARD[number] @ viewpoint + near[number]))
-        ways[there] = np.maximum(crossings(origins[there], directions[there], plane), 0.0)
-    return ways
+        lengths[there] = np.maximum(crossings(origins[there], directions[there], plane), 0.0)
+    return lengths
 
 
 def _met(directions: np.ndarray, corners: np.ndarray) -> np.ndarray:
@@ -198,8 +198,8 @@ def _projection(face: int, bounds: np.ndarray, viewpoint: np.ndarray, near: floa
 
 
 def _density(rays: RayMesh, lookups: np.ndarray, facing: np.ndarray, extents: np.ndarray) -> tuple[float, float]:
-    """Texels for each unit of tangent at which nine tenths of the picture have one a pixel; the share that is used."""
-    faces = rays.faces[(facing & (lookups[:, 3] > 0.0) & (rays.picture[:, 2] > 0.0))[rays.faces].all(axis=1)]
+    """Texels for each unit of tangent at which nine tenths of the image have one a pixel; the share that is used."""
+    faces = rays.faces[(facing & (lookups[:, 3] > 0.0) & (rays.image[:, 2] > 0.0))[rays.faces].all(axis=1)]
     if not len(faces):
         return 32.0, 0.0
     places = rays.places()
@@ -213,6 +213,6 @@ def _density(rays: RayMesh, lookups: np.ndarray, facing: np.ndarray, extents: np
     density = pixels / np.maximum(shares, 1e-12)
     order = np.argsort(density)
     covered = np.cumsum(pixels[order])
-    room = float(extents.prod(axis=1).sum())
-    texels = min(density[order][np.searchsorted(covered, 0.9 * covered[-1])], TEXELS_A_PIXEL * covered[-1] / room)
-    return float(np.sqrt(texels)), float(shares.sum() / room)
+    upward = float(extents.prod(axis=1).sum())
+    texels = min(density[order][np.searchsorted(covered, 0.9 * covered[-1])], TEXELS_A_PIXEL * covered[-1] / upward)
+    return float(np.sqrt(texels)), float(shares.sum() / upward)

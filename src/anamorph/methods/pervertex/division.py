@@ -1,7 +1,7 @@
 """Dividing a ray mesh into patches, each of which one map can show.
 
 Source: Kakimoto et al. 2007, section 4.1, which asks for it (Figure 6) and leaves it open. Patches share the vertices
-of their borders, and what a vertex shows depends on its own ray alone: so the picture is continuous there.
+of their borders, and what a vertex shows depends on its own ray alone: so the image is continuous there.
 """
 
 from __future__ import annotations
@@ -23,12 +23,12 @@ ALIKE = 1e-6
 
 
 def seen_faces(rays: RayMesh, size: tuple[int, int]) -> np.ndarray:
-    """The numbers, (N,), of the faces that may be seen in a picture of `size` (width, height).
+    """The numbers, (N,), of the faces that may be seen in an image of `size` (width, height).
 
-    Some vertex faces the eye, and not all three lie outside the picture on the same side.
+    Some vertex faces the eye, and not all three lie outside the image on the same side.
     """
     facing = (rays.status != RayStatus.BACK_FACING)[rays.faces].any(axis=1)
-    x, y, w = rays.picture.T
+    x, y, w = rays.image.T
     outside = (w <= 0.0, x < 0.0, x > size[0] * w, y < 0.0, y > size[1] * w)
     return np.flatnonzero(facing & ~np.any([beyond[rays.faces].all(axis=1) for beyond in outside], axis=0))
 

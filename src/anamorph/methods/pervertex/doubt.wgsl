@@ -1,4 +1,4 @@
-// What a fragment knows of its error, in pixels of the picture.
+// What a fragment knows of its error, in pixels of the image.
 // needs: methods/pervertex/pervertex.wgsl, methods/pervertex/lens.wgsl
 
 // In distances from the eye to the surface: nearer nothing is expected.
@@ -7,7 +7,7 @@ const MOST_PROBES = 24.0;
 // How close to the crossing of its rays a map is asked.
 const NEAREST_CROSSING = 0.1;
 const UNKNOWN = 1e6;
-// A picture folds where a pixel turns the ray in one direction by less than so many pixels of the eye, and by less than
+// An image folds where a pixel turns the ray in one direction by less than so many pixels of the eye, and by less than
 // such a share of what it does in the other. FOLDS is 1 where that counts as a doubt: where doubts are traced.
 override FOLDS: i32 = 0;
 const FOLD = 0.45;
@@ -55,7 +55,7 @@ fn hidden_on_the_way(ray: Ray, found: Lookup) -> bool {
     return hidden;
 }
 
-// How many pixels of the picture what a fragment shows is away from what it should show; UNKNOWN where it cannot say.
+// How many pixels of the image what a fragment shows is away from what it should show; UNKNOWN where it cannot say.
 fn error_in_pixels(ray: Ray, right_of: Ray, below: Ray, found: Lookup, valid: bool) -> f32 {
     let sky = found.point.w == 0.0;
     let offset = found.point.xyz - ray.origin;
@@ -64,7 +64,7 @@ fn error_in_pixels(ray: Ray, right_of: Ray, below: Ray, found: Lookup, valid: bo
     let nearness = select(1.0 / distance, 0.0, sky);
     let right = right_of.direction + nearness * right_of.origin;
     let down = below.direction + nearness * below.origin;
-    // The step in the picture by which the ray would turn to what is shown, by least squares.
+    // The step in the image by which the ray would turn to what is shown, by least squares.
     let miss = toward - ray.direction;
     let normal_equations = vec3f(dot(right, right), dot(right, down), dot(down, down));
     let determinant = max(
@@ -76,7 +76,7 @@ fn error_in_pixels(ray: Ray, right_of: Ray, below: Ray, found: Lookup, valid: bo
         normal_equations.z * sides.x - normal_equations.y * sides.y,
         normal_equations.x * sides.y - normal_equations.y * sides.x
     ) / determinant;
-    // Where the picture folds, a pixel turns the ray by next to nothing, and its least error is many pixels.
+    // Where the image folds, a pixel turns the ray by next to nothing, and its least error is many pixels.
     let turning = normal_equations.x + normal_equations.z;
     let least = FOLD * projection.base.w;
     let folds = determinant < turning * min(least * least, NARROW * NARROW * turning);

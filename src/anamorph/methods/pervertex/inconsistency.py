@@ -40,13 +40,13 @@ def map_lines(plan: MapPlan, lookups: np.ndarray) -> tuple[np.ndarray, np.ndarra
 
 
 def _cube_lines(plan: MapPlan, directions: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    starts = np.tile(plan.viewpoint[:3], (len(directions), 1))
+    origins = np.tile(plan.viewpoint[:3], (len(directions), 1))
     lines = directions / np.linalg.norm(directions, axis=1, keepdims=True)
     face = (directions @ FORWARD.T).argmax(axis=1)
     for number, projection in zip(plan.cube, plan.projections, strict=True):
         clip = directions[face == number] @ projection.clip[:, :3].T
-        starts[face == number], lines[face == number] = _lines(projection, clip[:, :2] / clip[:, 3:])
-    return starts, lines
+        origins[face == number], lines[face == number] = _lines(projection, clip[:, :2] / clip[:, 3:])
+    return origins, lines
 
 
 def _lines(projection: Projection, places: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -57,10 +57,10 @@ def _lines(projection: Projection, places: np.ndarray) -> tuple[np.ndarray, np.n
 
 
 def shown_distances(
-    starts: np.ndarray, lines: np.ndarray, meshes: tuple[int, ...], surroundings: Surroundings
+    origins: np.ndarray, lines: np.ndarray, meshes: tuple[int, ...], surroundings: Surroundings
 ) -> np.ndarray:
     """How far along its lines a map sees, (N,), infinite for the sky; it does not see the `meshes` of its own body."""
-    distances, _ = surroundings.cast_past(starts, lines, np.zeros(len(starts)), tuple(mesh + 1 for mesh in meshes))
+    distances, _ = surroundings.cast_past(origins, lines, np.zeros(len(origins)), tuple(mesh + 1 for mesh in meshes))
     return distances
 
 
@@ -70,9 +70,9 @@ def inconsistent_vertices(seen: Seen, surroundings: Surroundings) -> np.ndarray:
     inconsistent = np.zeros(len(rays.origins), bool)
     for plan in seen.plans:
         known = (plan.lookups[0, :, 3] > 0.0) & (rays.status[plan.vertices] == RayStatus.OK)
-        starts, lines = map_lines(plan, plan.lookups[0, known])
-        shown = shown_distances(starts, lines, seen.body_rays.body.meshes, surroundings)
-        met = np.einsum("ij,ij->i", plan.hits[known] - starts, lines)
+        origins, lines = map_lines(plan, plan.lookups[0, known])
+        shown = shown_distances(origins, lines, seen.body_rays.body.meshes, surroundings)
+        met = np.einsum("ij,ij->i", plan.hits[known] - origins, lines)
         sky = ~np.isfinite(plan.distances[known])
         inconsistent[plan.vertices[known]] |= np.where(sky, np.isfinite(shown), shown < (1.0 - NEARER) * met)
     return inconsistent

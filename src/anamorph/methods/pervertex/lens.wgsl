@@ -80,7 +80,7 @@ fn way_of(fragment: RefractorFragment, start: Place) -> u32 {
     return select(LOST, LEAVES, inside_map(start, fragment.lookup_green.w));
 }
 
-// The matt edge, seen from within the glass.
+// The diffuse edge, seen from within the glass.
 fn edge_color(fragment: RefractorFragment) -> vec3f {
     var point: SurfacePoint;
     point.position = fragment.origin_green.xyz;

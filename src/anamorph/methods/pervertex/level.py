@@ -12,7 +12,7 @@ import numpy as np
 import wgpu
 
 from anamorph.gpu.bindings import SAMPLER, STORAGE, bind, layout_of, texture
-from anamorph.gpu.buffers import SceneBuffers, roomy_buffer
+from anamorph.gpu.buffers import SceneBuffers, grown_buffer
 from anamorph.gpu.device import get_device
 from anamorph.gpu.targets import map_sampler
 from anamorph.methods.pervertex.atlas import Atlas, MapView
@@ -149,13 +149,13 @@ class Level:
         made = self.atlas.place(self.views)
         self.views = self.atlas.views
         contents = [np.concatenate(self._triangles), np.concatenate(self._data)]
-        buffers = [roomy_buffer(old, data.nbytes) for old, data in zip(self.buffers, contents, strict=True)]
+        buffers = [grown_buffer(old, data.nbytes) for old, data in zip(self.buffers, contents, strict=True)]
         maps = self._patch_maps()
-        room = self.maps is not None and self.maps.size >= maps.nbytes
-        if not room:
+        fits = self.maps is not None and self.maps.size >= maps.nbytes
+        if not fits:
             usage = wgpu.BufferUsage.UNIFORM | wgpu.BufferUsage.COPY_DST
             self.maps = get_device().create_buffer(size=2 * maps.nbytes, usage=usage)
-        if made or not room or buffers != self.buffers:
+        if made or not fits or buffers != self.buffers:
             self.buffers = list(buffers)
             self._bind()
         for buffer, data in zip([self.maps, *buffers], [maps, *contents], strict=True):
@@ -202,8 +202,10 @@ def corner_rays(body_rays: BodyRays, faces: np.ndarray) -> np.ndarray:
     """
     records = []
     for rays in (body_rays.rays, *body_rays.others):
-        assert rays.share is not None
+        assert rays.transmittance is not None
         total = rays.status == RayStatus.TOTAL_REFLECTION
-        rows = np.stack([np.column_stack([rays.origins, rays.share]), np.column_stack([rays.directions, total])], 1)
+        rows = np.stack(
+            [np.column_stack([rays.origins, rays.transmittance]), np.column_stack([rays.directions, total])], 1
+        )
         records.append(rows[rays.faces[faces]])
     return np.stack(records, axis=2)

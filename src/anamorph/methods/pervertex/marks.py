@@ -8,9 +8,9 @@ from __future__ import annotations
 import numpy as np
 import wgpu
 
+from anamorph.methods.pervertex.frame_maps import SeenBodies
 from anamorph.methods.pervertex.inconsistency import inconsistent_vertices
 from anamorph.methods.pervertex.overlay import Overlay
-from anamorph.methods.pervertex.pictures import Picture
 from anamorph.methods.pervertex.surroundings import Surroundings
 from anamorph.optics.ray_meshes import Body, Side
 from anamorph.scene.camera import Camera
@@ -38,10 +38,12 @@ class Marks:
             side: Overlay(side.optics.positions, side.optics.faces, samples) for body in bodies for side in body.sides
         }
 
-    def place(self, picture: Picture | None, camera: Camera, size: tuple[int, int], surroundings: Surroundings) -> None:
+    def place(
+        self, image: SeenBodies | None, camera: Camera, size: tuple[int, int], surroundings: Surroundings
+    ) -> None:
         """Put all where a frame from `camera` has it."""
         pixel = 2.0 * np.tan(np.radians(camera.field_of_view) / 2.0) / size[1]
-        for seen in () if picture is None else picture.seen:
+        for seen in () if image is None else image.seen:
             vertices = seen.body_rays.side.optics.positions
             distances = np.linalg.norm(vertices - camera.position, axis=1)
             if self._at_hits:
@@ -54,14 +56,14 @@ class Marks:
                 centers, colors = vertices, np.where(hidden[:, None], INCONSISTENT_COLOR, CONSISTENT_COLOR)
             self._overlays[seen.body_rays.side].place(centers, radii, colors)
 
-    def draw_in_map(self, picture: Picture | None, render_pass: wgpu.GPURenderPassEncoder) -> None:
+    def draw_in_map(self, image: SeenBodies | None, render_pass: wgpu.GPURenderPassEncoder) -> None:
         """Draw what shows in a mirror, into its map."""
-        for seen in () if picture is None or not self._at_hits else picture.seen:
+        for seen in () if image is None or not self._at_hits else image.seen:
             self._overlays[seen.body_rays.side].draw_balls(render_pass)
 
-    def draw(self, picture: Picture | None, render_pass: wgpu.GPURenderPassEncoder) -> None:
-        """Draw all, into the picture."""
-        for seen in () if picture is None else picture.seen:
+    def draw(self, image: SeenBodies | None, render_pass: wgpu.GPURenderPassEncoder) -> None:
+        """Draw all, into the image."""
+        for seen in () if image is None else image.seen:
             self._overlays[seen.body_rays.side].draw_balls(render_pass)
             if self._at_hits:
                 self._overlays[seen.body_rays.side].draw_wires(render_pass)

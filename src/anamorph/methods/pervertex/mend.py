@@ -1,4 +1,4 @@
-"""Mending a picture: the tiles in which a method doubts a pixel are traced."""
+"""Mending an image: the tiles in which a method doubts a pixel are traced."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ def doubtful_tiles(errors: np.ndarray, tolerance: float) -> np.ndarray:
 
 
 class Mender:
-    """Traces the doubtful tiles of a stage's picture and draws them over it."""
+    """Traces the doubtful tiles of a stage's image and draws them over it."""
 
     def __init__(self, stage: Stage, caster: Caster) -> None:
         self._stage = stage
@@ -59,7 +59,7 @@ class Mender:
             self._used += 1
 
     def draw_over(self, target: Target, projection: ProjectionUniform) -> None:
-        """Draw the traced tiles over the picture in `target`."""
+        """Draw the traced tiles over the image in `target`."""
         encoder = get_device().create_command_encoder()
         render_pass = begin_pass(encoder, target, clear=False)
         bind_scene(render_pass, self._stage.buffers, projection)

@@ -16,7 +16,7 @@ class Options:
     Parameters
     ----------
     antialias : int
-        Samples a pixel of the picture and of the maps: 1 or 4.
+        Samples a pixel of the image and of the maps: 1 or 4.
     mipmaps : bool
         Whether maps have mipmaps.
     resolution : float
@@ -38,10 +38,10 @@ class Options:
         What the steps start from: "vertices", the places that the vertex rays give; "direction", a far point along
         each vertex ray, so that no ray is cast at all.
     tolerance : float
-        Pixels: where what a fragment shows may be further than this from what it should, its tile of the picture is
+        Pixels: where what a fragment shows may be further than this from what it should, its tile of the image is
         traced. 0 traces nothing. At least three refinements go before.
     overlay : str
-        What to draw over the picture: "none"; "mesh", the mirror's wireframe and a ball at each vertex ray's hit, as
+        What to draw over the image: "none"; "mesh", the mirror's wireframe and a ball at each vertex ray's hit, as
         the paper's Figure 1; "inconsistency", the fragments and the vertices that may not show what their rays meet,
         its Figure 16.
     """

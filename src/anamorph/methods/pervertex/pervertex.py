@@ -3,7 +3,7 @@
 Source: Kakimoto, Tatsukawa, Chun, Nishita, "Real-time reflection and refraction on a per-vertex basis" (2007),
 sections 3 and 4. Steps 1 to 3 of a frame, which need no device, are in warp.py, for the patches that division.py makes
 (4.1); drawing the maps (step 2) and the bodies with them (step 4), again and again for mirrors in mirrors (4.4), is
-here. Deviation: maps are as fine as the picture that they fill.
+here. Deviation: maps are as fine as the image that they fill.
 """
 
 from __future__ import annotations
@@ -24,11 +24,11 @@ from anamorph.gpu.shaders import shader_module
 from anamorph.gpu.targets import COLOR_FORMAT, Target, begin_pass, make_texture, read_texture
 from anamorph.methods.options import check_options
 from anamorph.methods.pervertex.atlas import MapKind
+from anamorph.methods.pervertex.frame_maps import FrameMaps, SeenBodies, interfaces
 from anamorph.methods.pervertex.level import Level, level_layout
 from anamorph.methods.pervertex.marks import Marks
 from anamorph.methods.pervertex.mend import Mender, doubtful_tiles
 from anamorph.methods.pervertex.options import Options
-from anamorph.methods.pervertex.pictures import Picture, Pictures, interfaces
 from anamorph.methods.pervertex.surroundings import Surroundings, surroundings_of
 from anamorph.methods.protocol import Method
 from anamorph.methods.session import Session
@@ -51,7 +51,7 @@ TARGETS = {**OUTPUTS, "error": (ERROR_FORMAT,), "inconsistency": (COLOR_FORMAT,)
 """What the shaders' fragment functions are called after, and the targets that they write."""
 
 PICTURED = ("color", "inconsistency")
-"""What is drawn into the picture itself."""
+"""What is drawn into the image itself."""
 
 
 class PerVertexDrawing(SpecularDrawing):
@@ -74,7 +74,7 @@ class PerVertexDrawing(SpecularDrawing):
             self._mender = Mender(stage, surroundings.caster)
             self._errors = make_texture(stage.view.size, ERROR_FORMAT)
             self._errors_view = self._errors.create_view()
-        self._picture: Picture | None = None
+        self._image: SeenBodies | None = None
         self._camera: Camera | None = None
         self._marks = Marks(bodies, options.overlay, options.antialias) if options.overlay != "none" else None
         module = shader_module("methods/pervertex/doubt.wgsl", "methods/pervertex/looked_up.wgsl")
@@ -107,7 +107,7 @@ class PerVertexDrawing(SpecularDrawing):
         self._nowhere = depth_pipeline("nowhere_vertex")
         self._looked_up = [depth_pipeline("looked_up_vertex", constants={"REFRACTS": number}) for number in (0, 1)]
         self._pipeline = pipeline
-        self._pictures = Pictures(
+        self._images = FrameMaps(
             surroundings,
             bodies,
             self._levels,
@@ -119,7 +119,7 @@ class PerVertexDrawing(SpecularDrawing):
     @property
     def replaced(self) -> tuple[int, ...]:
         """The mirrors that show their front: the others are drawn with the scene."""
-        return () if self._picture is None else self._picture.replaced
+        return () if self._image is None else self._image.replaced
 
     def deformed(self, geometry: Geometry) -> None:
         """Have the next maps and rays see the moved scene; without vertex rays nothing is cast, and no tree follows."""
@@ -129,7 +129,7 @@ class PerVertexDrawing(SpecularDrawing):
         if self._mender is not None:
             self._mender.moved(geometry)
         self._surroundings = self._surroundings.moved(geometry)
-        self._pictures.moved(self._surroundings)
+        self._images.moved(self._surroundings)
         self._camera = None
 
     @property
@@ -137,12 +137,12 @@ class PerVertexDrawing(SpecularDrawing):
         """What the rays may hit."""
         return self._surroundings
 
-    def plan(self, camera: Camera) -> Picture | None:
+    def plan(self, camera: Camera) -> SeenBodies | None:
         """Plan all maps (steps 1 to 3) for a frame from `camera`; None where no mirror or lens is seen."""
         balls = self._draw_balls if self._marks is not None else None
         eye = camera.eye(self.stage.view.size)
-        self._picture = self._pictures.plan(eye, np.asarray(camera.position, float), balls)
-        return self._picture
+        self._image = self._images.plan(eye, np.asarray(camera.position, float), balls)
+        return self._image
 
     def prepare(self, encoder: wgpu.GPUCommandEncoder, camera: Camera, shift: tuple[float, float]) -> None:
         """Steps 1 to 3: plan all maps, and draw them; where nothing has moved, the last ones serve."""
@@ -151,7 +151,7 @@ class PerVertexDrawing(SpecularDrawing):
         self._camera = camera
         self.plan(camera)
         if self._marks is not None:
-            self._marks.place(self._picture, camera, self.stage.view.size, self._surroundings)
+            self._marks.place(self._image, camera, self.stage.view.size, self._surroundings)
         looks = self._options.refine > 0 or self._mender is not None or self._options.overlay == "inconsistency"
         kinds: Sequence[MapKind] = (MapKind.COLOR,)
         # Steps lead anywhere in a map, mipmaps blend far texels, and samples at a triangle's border look up beside it.
@@ -160,7 +160,7 @@ class PerVertexDrawing(SpecularDrawing):
             # The balls have colour, and no depth that could be taken for the scene's.
             at_once = self._options.antialias == 1 and self._marks is None
             kinds = (MapKind.BOTH,) if at_once else (MapKind.COLOR, MapKind.DEPTH)
-        self._pictures.draw_maps(encoder, self.stage.buffers, kinds, None if whole else self.leave_out)
+        self._images.draw_maps(encoder, self.stage.buffers, kinds, None if whole else self.leave_out)
 
     def leave_out(self, level: Level, number: int, depth_pass: wgpu.GPURenderPassEncoder) -> None:
         """Leave out what no fragment looks up."""
@@ -190,13 +190,13 @@ class PerVertexDrawing(SpecularDrawing):
     def prepare_seen(self, encoder: wgpu.GPUCommandEncoder) -> None:
         """Draw what the maps see, for the seen buffers."""
         kinds = [MapKind.DEPTH] if len(self._levels) == 1 else [MapKind.DEPTH, MapKind.END]
-        self._pictures.draw_maps(encoder, self.stage.buffers, kinds)
+        self._images.draw_maps(encoder, self.stage.buffers, kinds)
 
     def draw_color(self, render_pass: wgpu.GPURenderPassEncoder) -> None:
         """Step 4: the mirrors and lenses, with their maps."""
         self._draw("inconsistency" if self._options.overlay == "inconsistency" else "color", render_pass)
         if self._marks is not None:
-            self._marks.draw(self._picture, render_pass)
+            self._marks.draw(self._image, render_pass)
 
     def draw_seen(self, render_pass: wgpu.GPURenderPassEncoder) -> None:
         """The mirrors' and lenses' seen buffers."""
@@ -205,40 +205,40 @@ class PerVertexDrawing(SpecularDrawing):
             self._mender.draw_seen(render_pass)
 
     def _draw(self, output: str, render_pass: wgpu.GPURenderPassEncoder) -> None:
-        if self._picture is not None:
-            _draw(self._pipeline, self._picture, output, render_pass)
+        if self._image is not None:
+            _draw(self._pipeline, self._image, output, render_pass)
 
     def _draw_balls(self, kind: MapKind, render_pass: wgpu.GPURenderPassEncoder) -> None:
         if kind == MapKind.COLOR and self._marks is not None:
-            self._marks.draw_in_map(self._picture, render_pass)
+            self._marks.draw_in_map(self._image, render_pass)
 
     def figures(self) -> dict[str, float]:
         """How many maps the last frame took, their texels, and the share of these that is looked up."""
-        return self._pictures.figures()
+        return self._images.figures()
 
     def diagnostics(self) -> Mapping[str, Any]:
         """The levels of maps, the plan of the last frame, and with a tolerance the errors of its pixels."""
         errors = None if self._mender is None else self._errors
-        return {"levels": self._levels, "picture": self._picture, "errors": errors}
+        return {"levels": self._levels, "image": self._image, "errors": errors}
 
 
 Pipelines = Callable[[bool, int, bool, str], wgpu.GPURenderPipeline]
 """Of a patch: whether it is a lens, its sides, whether its map is a cube, and the output."""
 
 
-def _draw(pipeline: Pipelines, picture: Picture, output: str, render_pass: wgpu.GPURenderPassEncoder) -> None:
+def _draw(pipeline: Pipelines, image: SeenBodies, output: str, render_pass: wgpu.GPURenderPassEncoder) -> None:
     drawn = None
-    for draw in sorted(picture.draws, key=lambda draw: (draw.refracts, draw.sides, draw.cube)):
+    for draw in sorted(image.draws, key=lambda draw: (draw.refracts, draw.sides, draw.cube)):
         chosen = pipeline(draw.refracts, draw.sides, draw.cube, output)
         if chosen is not drawn:
             render_pass.set_pipeline(chosen)
             drawn = chosen
-        picture.level.select(render_pass, draw.number)
+        image.level.select(render_pass, draw.number)
         render_pass.draw(3 * draw.count, 1, 3 * draw.first)
 
 
-def _draw_in_map(pipeline: Pipelines, picture: Picture, kind: MapKind, render_pass: wgpu.GPURenderPassEncoder) -> None:
-    _draw(pipeline, picture, kind.value, render_pass)
+def _draw_in_map(pipeline: Pipelines, image: SeenBodies, kind: MapKind, render_pass: wgpu.GPURenderPassEncoder) -> None:
+    _draw(pipeline, image, kind.value, render_pass)
 
 
 def open_session(view: View, options: Options) -> Session:
@@ -250,7 +250,7 @@ def open_session(view: View, options: Options) -> Session:
         raise AnamorphError("pervertex: a tolerance needs the vertex rays; give start=vertices")
     if options.tolerance > 0.0:
         if options.antialias > 1:
-            raise AnamorphError("pervertex: tolerance needs antialias=1; give more samples for a smooth picture")
+            raise AnamorphError("pervertex: tolerance needs antialias=1; give more samples for a smooth image")
         options = replace(options, refine=max(options.refine, REFINEMENTS_BEFORE_TRACING))
         view = replace(view, scene=refined_scene(view.scene, view.size, RAY_SHARE * options.tolerance))
     stage = Stage(view)

@@ -5,7 +5,7 @@ sections 3.1 to 3.4, 4.2 and 4.3; the steps keep that paper's numbers. The near 
 leaves out, after Vallance, "Trilinear projection" (2005), appendix G.
 
 Deviations. The texture coordinates are projective, (s q, t q, q), which makes a flat mirror exact where plain (s, t)
-bends its picture. The near clipping plane lies along the mirror and not across the view, and vertex rays start at it,
+bends its image. The near clipping plane lies along the mirror and not across the view, and vertex rays start at it,
 so that the map and the rays see the same scene. Rays count by the pixels around their vertices. The view volume holds
 only the places where hit points project.
 """
@@ -42,7 +42,7 @@ CLEARANCE = 1e-4
 """Between the near plane and the vertices, in sizes of the patch."""
 
 TEXELS_A_PIXEL = 6.0
-"""Of a map for each pixel that shows it: what is seen most aslant must do with less."""
+"""Of a map for each pixel that shows it: what is seen most obliquely must do with less."""
 
 ROUND = 1.02
 """How much longer than wide a bundle of rays must be for the map to be turned along it."""
@@ -161,10 +161,10 @@ def plan_map(
     hits, distances, places, inside = (np.stack(parts) for parts in zip(*found, strict=True))
     if options.strict:
         for number, each in enumerate(bundles):
-            ways = each.unit_directions()
-            first = surroundings.caster.cast(each.origins, ways, surroundings.caster.near)
+            directions = each.unit_directions()
+            first = surroundings.caster.cast(each.origins, directions, surroundings.caster.near)
             met = first.triangle >= 0
-            ends = each.origins + np.where(met, first.distance, 0.0)[:, None] * ways
+            ends = each.origins + np.where(met, first.distance, 0.0)[:, None] * directions
             inside[number] &= (occluder > 0) | ~facing | ~met | (ends @ near_plane[:3] + near_plane[3] >= 0.0)
     if not (inside & facing).any():
         return None
@@ -261,7 +261,7 @@ def _map_frame(
     middle = origins.mean(axis=0)
     radius = float(np.linalg.norm(origins - middle, axis=1).max()) or 1.0
     viewpoint = virtual_viewpoint(origins, directions, weights)
-    # The image plane stands clear of the viewpoint; all planes across one direction give the same picture.
+    # The image plane stands clear of the viewpoint; all planes across one direction give the same image.
     ahead = viewpoint[:3] @ forward - viewpoint[3] * (middle @ forward)
     side = -1.0 if 0.0 < ahead < 2.0 * radius * viewpoint[3] else 1.0
     return viewpoint, map_frame(viewpoint, middle + side * radius * forward, axes)
@@ -326,8 +326,8 @@ def _bounds(places: np.ndarray) -> np.ndarray:
 def _texels(
     rays: RayMesh, texcoords: np.ndarray, valid: np.ndarray, extent: np.ndarray
 ) -> tuple[tuple[float, float], float]:
-    """The map's size at which nine tenths of the picture have a texel for each pixel, and the share that is used."""
-    faces = rays.faces[(valid & (rays.picture[:, 2] > 0.0))[rays.faces].all(axis=1)]
+    """The map's size at which nine tenths of the image have a texel for each pixel, and the share that is used."""
+    faces = rays.faces[(valid & (rays.image[:, 2] > 0.0))[rays.faces].all(axis=1)]
     if not len(faces):
         return (64.0, 64.0), 0.0
     places = rays.places()

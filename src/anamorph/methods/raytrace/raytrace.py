@@ -68,7 +68,7 @@ class TracedDrawing(SpecularDrawing):
         self._used = 0
         self._looked: tuple[Camera | RayMesh, tuple[float, float]] | None = None
         self._first: np.ndarray | None = None
-        self._room: np.ndarray | None = None
+        self._reused: np.ndarray | None = None
         self._records: tuple[Rectangle, np.ndarray] | None = None
 
     def deformed(self, geometry: Geometry) -> None:
@@ -94,13 +94,13 @@ class TracedDrawing(SpecularDrawing):
             if rectangle is None:
                 return encoder
             first = eye_rays(camera, size, rectangle, shift)
-        records = yield from self._tracer.tracing(first, self._room)
+        records = yield from self._tracer.tracing(first, self._reused)
         yield from self._write(rectangle, first, records)
         return encoder
 
     def _write(self, rectangle: Rectangle, first: FirstRays, records: np.ndarray) -> Generator[None, None, None]:
         """Upload the records of a rectangle, in bands of as many rows as a buffer holds."""
-        self._records, self._room = (rectangle, records), records
+        self._records, self._reused = (rectangle, records), records
         x0, y0, x1, y1 = rectangle
         width = x1 - x0
         rows = tiles_at_once(width)
@@ -157,7 +157,7 @@ def open_session(view: View, options: Options) -> Session:
 
 METHOD = Method(
     name="raytrace",
-    summary="a ray for every pixel, bent at every specular surface: the truth, and the competitor",
+    summary="a ray for every pixel, bent at every specular surface: the reference, and the competitor",
     source="Whitted 1980; Embree",
     options=Options,
     open=open_session,

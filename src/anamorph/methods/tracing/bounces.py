@@ -62,7 +62,7 @@ class VertexRays(NamedTuple):
     """(V, 3) float64"""
     directions: np.ndarray
     """(V, 3) float64"""
-    share: np.ndarray
+    transmittance: np.ndarray
     """(V,) float64: what share of the light crosses a lens."""
     leaves: np.ndarray
     """(V,) bool: whether the ray leaves its lens by the far face."""
@@ -100,7 +100,7 @@ class Paths(NamedTuple):
     """(N,) float64: how far from there the mesh can still be in the way of its own exact surface."""
 
     @classmethod
-    def room(cls, count: int) -> Paths:
+    def reserved(cls, count: int) -> Paths:
         """Arrays for `count` paths, not filled."""
         vector, number, integer = (count, 3), np.empty, np.int64
         return cls(
@@ -229,7 +229,7 @@ def _bend(
     Returns
     -------
     origin, direction : three float64 each
-    share : float
+    transmittance : float
         Of the light that goes this way.
     crosses : bool
         Whether the ray goes on on the other side.
@@ -250,12 +250,12 @@ def _bend(
     if len(rays.origins) and (mirror or far):
         bent = unit(_blend(rays.directions, face, weights))
         change = along(bent, -1.0, direction)
-        share = schlick(constant, 0.5 * math.sqrt(dot(change, change)))
+        transmittance = schlick(constant, 0.5 * math.sqrt(dot(change, change)))
         if far:
-            share = 0.0
+            transmittance = 0.0
             for corner in range(3):
-                share += weights[corner] * rays.share[face[corner]]
-        return _blend(rays.origins, face, weights), bent, share, far > 0
+                transmittance += weights[corner] * rays.transmittance[face[corner]]
+        return _blend(rays.origins, face, weights), bent, transmittance, far > 0
 
     side = 1.0 if slope < 0.0 else -1.0
     geometric = unit((side * area[0], side * area[1], side * area[2]))
@@ -263,17 +263,17 @@ def _bend(
     crosses = False
     if mirror:
         cosine = -dot(normal, direction)
-        bent, share = along(direction, 2.0 * cosine, normal), schlick(constant, cosine)
+        bent, transmittance = along(direction, 2.0 * cosine, normal), schlick(constant, cosine)
     else:
         if dot(normal, direction) >= 0.0:
             normal = geometric
-        bent, share, crosses = through_glass(direction, normal, 1.0 / constant if side > 0.0 else constant)
+        bent, transmittance, crosses = through_glass(direction, normal, 1.0 / constant if side > 0.0 else constant)
     if not exact:
         # An interpolated normal can send the ray through the flat triangle: it stays on its side.
         height = dot(bent, geometric)
         if (height > 0.0) == crosses:
             bent = unit(along(bent, -height, geometric))
-    return along(origin, distance, direction), bent, share, crosses
+    return along(origin, distance, direction), bent, transmittance, crosses
 
 
 @inlined
@@ -337,13 +337,13 @@ def advance(world: World, paths: Paths, count: int, rays: VertexRays, records: n
                 _finish(records, words, paths, i, True)
                 continue
 
-        share, tinted, total, dispersed, far = 1.0, False, paths.total[i], paths.dispersed[i], 0
+        transmittance, tinted, total, dispersed, far = 1.0, False, paths.total[i], paths.dispersed[i], 0
         if passes:
             near = paths.distance[i] * (1.0 + 1e-6) + world.near
         else:
             both = outside and paths.bounces[i] + 2 <= world.max_bounces
             far = _far_face(rays, item, face) if both else 0
-            origin, direction, share, crosses = _bend(
+            origin, direction, transmittance, crosses = _bend(
                 world, item, face, origin, direction, paths.distance[i], rays, far
             )
             tinted = material == MIRROR or crosses
@@ -352,7 +352,7 @@ def advance(world: World, paths: Paths, count: int, rays: VertexRays, records: n
             near, skin = world.near, longest if curved else 100.0 * world.near
         for axis in range(3):
             paths.origin[going, axis], paths.direction[going, axis] = origin[axis], direction[axis]
-            factor = share * world.tint[item, axis] if tinted else share
+            factor = transmittance * world.tint[item, axis] if tinted else transmittance
             # A lens is crossed at two faces at once.
             factor *= world.tint[far, axis] if far else 1.0
             paths.throughput[going, axis] = paths.throughput[i, axis] * factor

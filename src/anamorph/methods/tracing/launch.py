@@ -25,13 +25,13 @@ _OUTSIDE = int(Status.OUTSIDE)
 
 @dataclass(frozen=True, eq=False)
 class EyeRays:
-    """An eye's rays through the pixels of tiles of a picture, tile by tile, each row by row.
+    """An eye's rays through the pixels of tiles of an image, tile by tile, each row by row.
 
     Parameters
     ----------
     camera : Camera
     size : (width, height)
-        Of the whole picture.
+        Of the whole image.
     corners : (T, 2) int
         The first column and row of each tile.
     tile : (columns, rows)
@@ -101,7 +101,7 @@ FirstRays = EyeRays | GivenRays
 def eye_rays(
     camera: Camera, size: tuple[int, int], rectangle: Rectangle | None = None, shift: tuple[float, float] = (0.0, 0.0)
 ) -> EyeRays:
-    """The rays through a rectangle (x0, y0, x1, y1) of a picture, its ends left out; through all of it by default."""
+    """The rays through a rectangle (x0, y0, x1, y1) of an image, its ends left out; through all of it by default."""
     x0, y0, x1, y1 = rectangle or (0, 0, *size)
     return EyeRays(camera, size, np.array([[x0, y0]]), (max(x1 - x0, 0), max(y1 - y0, 0)), shift)
 

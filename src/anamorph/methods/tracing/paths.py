@@ -29,7 +29,7 @@ Tracing = Generator[None, None, np.ndarray]
 
 
 class PathTracer:
-    """Traces the light paths of a picture's pixels, on all the cores.
+    """Traces the light paths of an image's pixels, on all the cores.
 
     Parameters
     ----------
@@ -165,7 +165,7 @@ class PathTracer:
         words = records.view(np.uint32)
 
         def work(first: int, stop: int) -> None:
-            paths, turn, bending = self._room(), 0, rays
+            paths, turn, bending = self._reserved(), 0, rays
             own, own_words = records[first:stop], words[first:stop]
             going = launch(paths, first, stop - first, own, own_words)
             while going:
@@ -178,10 +178,10 @@ class PathTracer:
         yield from steps_over_all_cores(work, count, GRAIN)
         return records
 
-    def _room(self) -> Paths:
+    def _reserved(self) -> Paths:
         """The calling thread's own arrays."""
         if not hasattr(self._thread, "paths"):
-            self._thread.paths = Paths.room(GRAIN)
+            self._thread.paths = Paths.reserved(GRAIN)
         return self._thread.paths
 
     def _cast(self, paths: Paths, count: int, coherent: bool) -> None:
@@ -222,7 +222,7 @@ def _worlds(scene: Scene, geometry: Geometry, near: float, max_bounces: int) -> 
 
 
 def specular_rectangle(scene: Scene, camera: Camera, size: tuple[int, int]) -> Rectangle | None:
-    """The part of the picture outside which no pixel looks at a specular mesh.
+    """The part of the image outside which no pixel looks at a specular mesh.
 
     Parameters
     ----------
@@ -233,20 +233,20 @@ def specular_rectangle(scene: Scene, camera: Camera, size: tuple[int, int]) -> R
     Returns
     -------
     (x0, y0, x1, y1) or None
-        Pixels, the ends left out, a pixel wider than the meshes on each side; the whole picture where one of them
-        reaches the plane of the eye; None where none is in the picture.
+        Pixels, the ends left out, a pixel wider than the meshes on each side; the whole image where one of them
+        reaches the plane of the eye; None where none is in the image.
     """
     low, high = np.full(2, np.inf), np.full(2, -np.inf)
     for mesh in scene.meshes:
         if not mesh.specular or not len(mesh.positions):
             continue
-        picture = camera.picture(mesh.positions, size)
-        depth = picture[:, 2]
+        image = camera.image(mesh.positions, size)
+        depth = image[:, 2]
         if depth.max() <= 0.0:
             continue
         if depth.min() <= 1e-6 * depth.max():
             return 0, 0, *size
-        places = picture[:, :2] / depth[:, None]
+        places = image[:, :2] / depth[:, None]
         low, high = np.minimum(low, places.min(axis=0)), np.maximum(high, places.max(axis=0))
     # Clipped first, because a vertex close to the plane of the eye projects beyond any integer.
     x0, y0 = (int(value) for value in np.floor(np.clip(low - 1.0, 0, size)))

@@ -1,4 +1,4 @@
-"""Traced pixels on the device: tiles of the picture, each pixel coloured from where its path ends."""
+"""Traced pixels on the device: tiles of the image, each pixel coloured from where its path ends."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import numpy as np
 import wgpu
 
 from anamorph.gpu.bindings import STORAGE, UNIFORM, bind, layout_of
-from anamorph.gpu.buffers import SceneBuffers, roomy_buffer
+from anamorph.gpu.buffers import SceneBuffers, grown_buffer
 from anamorph.gpu.device import get_device
 from anamorph.gpu.drawing import make_pipeline
 from anamorph.gpu.shaders import shader_module
@@ -30,7 +30,7 @@ class Tiles:
         self._seen = self._pipeline("traced_seen", SEEN_FORMATS)
         usage = wgpu.BufferUsage.UNIFORM | wgpu.BufferUsage.COPY_DST
         self._size = get_device().create_buffer(size=8, usage=usage)
-        self._rooms: list[wgpu.GPUBuffer | None] = 4 * [None]
+        self._grown: list[wgpu.GPUBuffer | None] = 4 * [None]
         self._groups: list[wgpu.GPUBindGroup] = []
         self._count, self._disperses = 0, False
 
@@ -49,21 +49,21 @@ class Tiles:
         if not self._count:
             return
         contents = [np.ascontiguousarray(corners, np.uint32), records, *red_and_blue]
-        rooms = [
-            room if content is None else roomy_buffer(room, content.nbytes)
-            for room, content in zip(self._rooms, contents, strict=True)
+        grown = [
+            buffer if content is None else grown_buffer(buffer, content.nbytes)
+            for buffer, content in zip(self._grown, contents, strict=True)
         ]
-        if rooms != self._rooms:
-            self._rooms = rooms
-            places, paths, red, blue = rooms
+        if grown != self._grown:
+            self._grown = grown
+            places, paths, red, blue = grown
             self._groups = [
                 bind(self._layout, [self._size, places, paths, line, self._scene.vertices, self._scene.indices])
                 for line in (paths, red or paths, blue or paths)
             ]
         queue.write_buffer(self._size, 0, np.array(size, np.uint32))
-        for room, content in zip(rooms, contents, strict=True):
+        for buffer, content in zip(grown, contents, strict=True):
             if content is not None:
-                queue.write_buffer(room, 0, content)
+                queue.write_buffer(buffer, 0, content)
 
     def draw_color(self, render_pass: wgpu.GPURenderPassEncoder) -> None:
         """Colour the tiles' pixels; the shading and projection groups are bound."""

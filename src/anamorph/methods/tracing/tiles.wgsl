@@ -17,7 +17,7 @@ struct PathEnd {
     padding: f32,
 }
 
-// Whether light of one line of the spectrum, red or blue, is drawn over the picture that the d line has made.
+// Whether light of one line of the spectrum, red or blue, is drawn over the image that the d line has made.
 override ONE_LINE: bool = false;
 
 // Columns and rows of every tile.

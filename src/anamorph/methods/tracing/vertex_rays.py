@@ -17,14 +17,14 @@ def vertex_rays(bodies: Sequence[Body], geometry: Geometry, eye: Eye, line: Line
     """The rays of light of one line: of both sides of a lens, of which a path from the eye may meet either."""
     count = len(geometry.positions)
     origins, directions = np.zeros((2, count, 3))
-    share, leaves = np.zeros(count), np.zeros(count, np.bool_)
+    transmittance, leaves = np.zeros(count), np.zeros(count, np.bool_)
     far = np.zeros(len(geometry.kind) + 1, np.int64)
     for body in bodies:
         for side, other in zip(body.sides, reversed(body.sides), strict=True):
             rays, own = side_rays(side, eye, line), side.vertices
             origins[own], directions[own] = rays.origins, rays.directions
-            if rays.share is not None:
-                share[own] = rays.share
+            if rays.transmittance is not None:
+                transmittance[own] = rays.transmittance
                 leaves[own] = np.isin(rays.status, (RayStatus.OK, RayStatus.BACK_FACING))
                 far[list(side.objects)] = other.objects
-    return VertexRays(origins, directions, share, leaves, far)
+    return VertexRays(origins, directions, transmittance, leaves, far)

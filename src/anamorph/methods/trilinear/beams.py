@@ -1,15 +1,15 @@
-"""Ray triangles as functions of the picture: what a pixel's ray is, and which part of the picture is theirs.
+"""Ray triangles as functions of the image: what a pixel's ray is, and which part of the image is theirs.
 
-At the picture point q = (x, y, 1) the weights of the three rays are linear in q, up to a common factor that cancels:
-W = q P^-1, where the rows of P are the homogeneous picture corners (x w, y w, w). So the ray's origin, its direction
+At the image point q = (x, y, 1) the weights of the three rays are linear in q, up to a common factor that cancels:
+W = q P^-1, where the rows of P are the homogeneous image corners (x w, y w, w). So the ray's origin, its direction
 and the sum of the weights are linear in q as well:
 
     o(q) = sum W_i o_i,    d(q) = sum W_i d_i,    s(q) = sum W_i,    the ray is o / s + t d / s,
 
 and its Pluecker coordinates, the direction s d and the moment o x d, are quadratic. A weight is nowhere negative in the
-triangle's part of the picture, even where that runs through the plane of the eye.
+triangle's part of the image, even where that runs through the plane of the eye.
 
-Source: the ray triangle is that of Vallance 2005, equation 2.4; homogeneous pictures are new here.
+Source: the ray triangle is that of Vallance 2005, equation 2.4; homogeneous images are new here.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ from anamorph.raytriangle.boxes import SLACK, BoundingPlanes, beam_planes, bound
 from anamorph.raytriangle.scaled import checked
 
 FLAT = 1e-9
-"""A ray triangle whose picture is thinner than this, as a share of its length, covers no pixel."""
+"""A ray triangle whose image is thinner than this, as a share of its length, covers no pixel."""
 
 
 AT_ONCE = 1024
@@ -38,7 +38,7 @@ class Beams(NamedTuple):
     """
 
     number: np.ndarray
-    """(K,) int32: which of the given ray triangles each one is: those that the picture does not show are left out."""
+    """(K,) int32: which of the given ray triangles each one is: those that the image does not show are left out."""
     center: np.ndarray
     """(K, 2) float64, whole pixels."""
     anchor: np.ndarray
@@ -56,7 +56,7 @@ class Beams(NamedTuple):
     moment: np.ndarray
     """(K, 6, 3) float64: d x o."""
     domain: np.ndarray
-    """(K, C, 2) float64: the corners of the part of the picture that is its own, a little enlarged."""
+    """(K, C, 2) float64: the corners of the part of the image that is its own, a little enlarged."""
     corners: np.ndarray
     """(K,) int64: how many corners that has."""
     extent: np.ndarray
@@ -66,14 +66,14 @@ class Beams(NamedTuple):
     distances: np.ndarray
     """(K, N) float64: relative to the world's origin, less their slack."""
     spacing: float
-    """Pixels between samples, the first half of it from the picture's corner: nothing is planned that no sample sees.
+    """Pixels between samples, the first half of it from the image's corner: nothing is planned that no sample sees.
     0 plans everything."""
     near: np.ndarray
     """(K,) float64: the t from which on things are seen."""
 
 
 def making_beams(
-    picture: np.ndarray,
+    image: np.ndarray,
     origins: np.ndarray,
     directions: np.ndarray,
     size: tuple[int, int],
@@ -81,22 +81,22 @@ def making_beams(
     spacing: float = 0.0,
     domain: np.ndarray | None = None,
 ) -> Generator[None, None, Beams]:
-    """The ray triangles that have a part in a picture, in steps.
+    """The ray triangles that have a part in an image, in steps.
 
     Parameters
     ----------
-    picture : (K, 3, 3) array
+    image : (K, 3, 3) array
         A row (x w, y w, w) for each corner, in pixels.
     origins, directions : (K, 3, 3) array
         A row for each ray; not all directions of a ray triangle may be 0.
     size : (width, height)
-        Of the picture, pixels.
+        Of the image, pixels.
     near : float
         What is nearer than this, along its ray, is not seen; metres.
     spacing : float
         Pixels between samples; see `Beams`.
     domain : (K, C, 2) array, optional
-        Corners of a convex part of the picture, pixels, in either order around it, that each ray triangle has in place
+        Corners of a convex part of the image, pixels, in either order around it, that each ray triangle has in place
         of its own: its rays go on beyond its corners, as far as s is positive. One without an area is not shown.
 
     Raises
@@ -105,10 +105,10 @@ def making_beams(
         If a number is not finite, or all directions of a ray triangle are 0.
     """
     parts = []
-    for first in range(0, max(len(picture), 1), AT_ONCE):
+    for first in range(0, max(len(image), 1), AT_ONCE):
         some = slice(first, first + AT_ONCE)
         own = None if domain is None else domain[some]
-        part = _make_beams(picture[some], origins[some], directions[some], size, near, spacing, own)
+        part = _make_beams(image[some], origins[some], directions[some], size, near, spacing, own)
         parts.append(part._replace(number=part.number + np.int32(first)))
         yield
     if len(parts) == 1:
@@ -120,7 +120,7 @@ def making_beams(
 
 
 def _make_beams(
-    picture: np.ndarray,
+    image: np.ndarray,
     origins: np.ndarray,
     directions: np.ndarray,
     size: tuple[int, int],
@@ -129,19 +129,19 @@ def _make_beams(
     domain: np.ndarray | None,
 ) -> Beams:
     """The ray triangles of one step; see `making_beams`."""
-    picture = np.asarray(picture, float)
-    start = np.zeros((len(picture), 2)) if domain is None else np.rint(np.mean(domain, axis=1))
+    image = np.asarray(image, float)
+    start = np.zeros((len(image), 2)) if domain is None else np.rint(np.mean(domain, axis=1))
     # Near its own place a small triangle keeps its digits.
-    picture = picture - picture[..., 2:] * np.pad(start, ((0, 0), (0, 1)))[:, None]
-    length = np.linalg.norm(picture, axis=-1)
-    flat = np.abs(np.linalg.det(picture)) <= FLAT * np.prod(length, axis=-1) / max(*size, 1)
-    inverse = np.linalg.inv(np.where(flat[:, None, None], np.eye(3), picture))
+    image = image - image[..., 2:] * np.pad(start, ((0, 0), (0, 1)))[:, None]
+    length = np.linalg.norm(image, axis=-1)
+    flat = np.abs(np.linalg.det(image)) <= FLAT * np.prod(length, axis=-1) / max(*size, 1)
+    inverse = np.linalg.inv(np.where(flat[:, None, None], np.eye(3), image))
     if domain is None:
         part, corners = own_domains(inverse, size)
     else:
         part, corners = given_domains(np.asarray(domain, float) - start[:, None], inverse.sum(axis=2), start, size)
     shown = np.flatnonzero(~flat & (corners >= 3))
-    picture, origins, directions = (np.asarray(each, float)[shown] for each in (picture, origins, directions))
+    image, origins, directions = (np.asarray(each, float)[shown] for each in (image, origins, directions))
     inverse, part, corners, start = inverse[shown], part[shown], corners[shown], start[shown]
 
     some = np.arange(part.shape[1]) < corners[:, None]
@@ -200,7 +200,7 @@ def _planes_of(
     scale: np.ndarray,
     anchor: np.ndarray,
 ) -> BoundingPlanes:
-    """The planes of all rays in parts (K, C, 2) of the picture: those at a part's corners hold all others."""
+    """The planes of all rays in parts (K, C, 2) of the image: those at a part's corners hold all others."""
     used = np.where(np.arange(part.shape[1]) < corners[:, None], np.arange(part.shape[1]), 0)
     place = np.concatenate([np.take_along_axis(part, used[..., None], axis=1), np.ones((*used.shape, 1))], axis=2)
     s = np.einsum("kcq,kq->kc", place, scale)[..., None]

@@ -1,4 +1,4 @@
-"""Colouring what the rays of one picture see: surfaces, the sky, and with several samples a pixel the edges between.
+"""Colouring what the rays of one image see: surfaces, the sky, and with several samples a pixel the edges between.
 
 Each of these is a pass, and leaves what is not its own by its depth, before its shader runs: software would run all
 sides of a branch for every pixel.
@@ -86,7 +86,7 @@ class Coloring:
             self._marked = pipeline("edge_mark", (COLOR_FORMAT,), True, **marks)
 
     def draw(self, encoder: wgpu.GPUCommandEncoder, projection: ProjectionUniform, clear: bool) -> None:
-        """Colour the picture, over what is there or anew."""
+        """Colour the image, over what is there or anew."""
         if self._edges is not None:
             self._pass(encoder, projection, self._edges, [self._marked], 3, keep_color=True)
         self._pass(encoder, projection, self._colors, list(self._shaded), clear=clear, keep_depth=True)

@@ -1,4 +1,4 @@
-// What has been coloured by itself, where it belongs in the picture.
+// What has been coloured by itself, where it belongs in the image.
 // needs: methods/trilinear/visibility.wgsl
 
 @group(3) @binding(0) var colors: texture_2d<f32>;
@@ -19,8 +19,8 @@ fn composed_color(fragment: OwnerFragment) -> @location(0) vec4f {
     return color;
 }
 
-// Along the picture's rim, samples that a ray mesh has no rays for because it was shifted: their pixel's own color, which
-// the picture's frame would darken otherwise.
+// Along the image's rim, samples that a ray mesh has no rays for because it was shifted: their pixel's own color, which
+// the image's frame would darken otherwise.
 @fragment
 fn composed_rim(@builtin(position) pixel: vec4f) -> @location(0) vec4f {
     let texel = vec2i(pixel.xy);

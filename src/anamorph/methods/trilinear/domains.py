@@ -1,4 +1,4 @@
-"""Which part of the picture is each ray triangle's own: convex polygons, and the boxes around them."""
+"""Which part of the image is each ray triangle's own: convex polygons, and the boxes around them."""
 
 from __future__ import annotations
 
@@ -8,14 +8,14 @@ PADDING = 1.0 / 32.0
 """Pixels by which whatever is drawn reaches beyond what must be: more than rounding and the rasterizer's grid take."""
 
 MOST_CORNERS = 8
-"""Of the picture's rectangle after three cuts, with one to spare."""
+"""Of the image's rectangle after three cuts, with one to spare."""
 
 LEAST_SCALE = 2.0**-10
-"""A given part of the picture is cut off where s falls below this share of its most: there the rays are none."""
+"""A given part of the image is cut off where s falls below this share of its most: there the rays are none."""
 
 
 def own_domains(inverse: np.ndarray, size: tuple[int, int]) -> tuple[np.ndarray, np.ndarray]:
-    """The picture's rectangle cut along the sides of each triangle: corners (K, 8, 2), and how many there are."""
+    """The image's rectangle cut along the sides of each triangle: corners (K, 8, 2), and how many there are."""
     width, height = size
     count = len(inverse)
     polygon = np.zeros((count, MOST_CORNERS, 2))
@@ -31,7 +31,7 @@ def own_domains(inverse: np.ndarray, size: tuple[int, int]) -> tuple[np.ndarray,
 def given_domains(
     domain: np.ndarray, scale: np.ndarray, start: np.ndarray, size: tuple[int, int]
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Given domains (K, C, 2), relative to `start`, as far as the picture goes and s is positive: see `own_domains`."""
+    """Given domains (K, C, 2), relative to `start`, as far as the image goes and s is positive: see `own_domains`."""
     count, given = domain.shape[:2]
     following = np.roll(domain, -1, axis=1)
     extent = np.sum(domain[..., 0] * following[..., 1] - domain[..., 1] * following[..., 0], axis=1)

@@ -1,13 +1,13 @@
 """The rays that go on from a mirror seen in a mirror: one more ray triangle for each pair of the plan.
 
-Through picture point q a ray triangle's ray meets the plane of mirror triangle m at P(q), and is reflected there to
+Through image point q a ray triangle's ray meets the plane of mirror triangle m at P(q), and is reflected there to
 r(q) = d - 2 (d . n) n, by normals n interpolated on m. Three sample points q_i stand for the pair's region (`samples`),
 with the rays (P_i, r_i) there. Their lengths are left as the incident d(q), linear in q, makes them; and N_i is N(q),
 d times the normal of m's plane, there. With the barycentric coordinates L_i(q) of q in the three,
 
     o'(q) = sum L_i N_i P_i,    d'(q) = sum L_i r_i,    s'(q) = sum L_i N_i = N(q),
 
-which is a ray triangle of homogeneous picture corners (x_i, y_i, 1) / N_i and directions r_i / N_i.
+which is a ray triangle of homogeneous image corners (x_i, y_i, 1) / N_i and directions r_i / N_i.
 
 - Where m is flat, d' is r everywhere: that is linear in d, and d in q.
 - Where the incident rays pass through one point E, as behind a flat mirror, o = s E + h d with a number h. Then with
@@ -46,17 +46,17 @@ class Following:
 
     Parameters
     ----------
-    picture : (S, 3, 3) float64
-        Homogeneous picture corners (x w, y w, w), pixels; all w are positive.
+    image : (S, 3, 3) float64
+        Homogeneous image corners (x w, y w, w), pixels; all w are positive.
     origins, directions : (S, 3, 3) float64
         On the plane of the scene triangle, and the reflected rays there, of about unit length in the middle.
     domain : (S, 4, 2) float64
-        The rectangle of the picture that holds all of the pair's pieces, pixels. It has no area, and `making_beams`
+        The rectangle of the image that holds all of the pair's pieces, pixels. It has no area, and `making_beams`
         does not show it, where rays do not meet the plane in the middle of the pieces, which rounding alone has left
         there.
     """
 
-    picture: np.ndarray
+    image: np.ndarray
     origins: np.ndarray
     directions: np.ndarray
     domain: np.ndarray
@@ -113,7 +113,7 @@ def following_rays(beams: Beams, plan: Plan, chosen: np.ndarray, corners: np.nda
     terms[..., :2] += center[:, None]
     box = np.where(met[:, None], box, 0.0)
     return Following(
-        picture=terms * corner_weights[..., None],
+        image=terms * corner_weights[..., None],
         origins=point + anchor[:, None],
         directions=reflected * corner_weights[..., None],
         domain=box[:, [[0, 1], [2, 1], [2, 3], [0, 3]]] + center[:, None],

@@ -1,4 +1,4 @@
-"""Convex pieces of the picture that surely hold all that a pair sees. Compiled.
+"""Convex pieces of the image that surely hold all that a pair sees. Compiled.
 
 Over a box a quadratic is at most its tangent at the middle plus a bound on its second-order terms: three half-planes
 that hold all that is seen. Cutting a polygon by them makes its box smaller and the bound, which falls with its square,
@@ -45,7 +45,7 @@ class Workspace(NamedTuple):
     pair: np.ndarray
     """(P, 3) int32: ray triangle (its place in `Beams`), scene triangle, and 1 where it is seen from its front."""
     place: np.ndarray
-    """(T, 3, 2) float32: triangles of the picture, pixels."""
+    """(T, 3, 2) float32: triangles of the image, pixels."""
     owner: np.ndarray
     """(T,) int32: the pair of each."""
     polygons: np.ndarray

@@ -1,4 +1,4 @@
-"""What all ray triangles of a picture see: the pairs of ray triangle and scene triangle, on all the cores."""
+"""What all ray triangles of an image see: the pairs of ray triangle and scene triangle, on all the cores."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ LARGEST_SHARE = 64
 
 @dataclass(frozen=True, eq=False)
 class Plan:
-    """Pairs of a ray triangle and a scene triangle that it may see, and where in the picture.
+    """Pairs of a ray triangle and a scene triangle that it may see, and where in the image.
 
     Parameters
     ----------
@@ -35,7 +35,7 @@ class Plan:
         shares of their sum are the weights of the scene triangle's corners; three (x, y, 1) of N, and of N (t - near).
         Inside, none of these is negative.
     place : (T, 3, 2) float32
-        Triangles of the picture, in pixels from the ray triangle's center, which together hold all that is inside.
+        Triangles of the image, in pixels from the ray triangle's center, which together hold all that is inside.
     owner : (T,) int32
         The pair that each of them belongs to.
     """

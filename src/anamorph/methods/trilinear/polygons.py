@@ -1,4 +1,4 @@
-"""Convex polygons of the picture, held in arrays of `CAPACITY` corners and cut by half-planes. Compiled."""
+"""Convex polygons of the image, held in arrays of `CAPACITY` corners and cut by half-planes. Compiled."""
 
 from __future__ import annotations
 

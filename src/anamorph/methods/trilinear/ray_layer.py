@@ -1,4 +1,4 @@
-"""One layer of a picture: the rays that leave the specular surfaces first met, or those that go on from a second one.
+"""One layer of an image: the rays that leave the specular surfaces first met, or those that go on from a second one.
 
 Each layer plans what its rays see, finds it for each pixel, and colours it over the layer before. The first one's rays
 come from ray_triangles.py; those of the next follow from what it sees of mirrors.
@@ -26,7 +26,7 @@ from anamorph.methods.trilinear.ray_triangles import RayTriangles
 from anamorph.methods.trilinear.visibility import FINENESS, Visibility
 
 Straight = Callable[[np.ndarray, np.ndarray, np.ndarray, np.ndarray, np.ndarray], np.ndarray]
-"""What makes pieces with straight edges: of ray triangles' pictures, origins and directions, all scene triangles'
+"""What makes pieces with straight edges: of ray triangles' images, origins and directions, all scene triangles'
 corners, and pairs of both."""
 
 AROUND = 1.0 / 8.0
@@ -92,10 +92,10 @@ class RayLayer:
         self._planner = Planner()
 
     def beams(self, rays: RayTriangles, triangles: SceneTriangles) -> Generator[None, None, Beams]:
-        """The rays that exist, as functions of the picture."""
+        """The rays that exist, as functions of the image."""
         chosen = np.flatnonzero(rays.exists)
-        picture, origins, directions = (each[chosen] for each in (rays.picture, rays.origins, rays.directions))
-        beams = yield from making_beams(picture, origins, directions, self._size, triangles.near, self._spacing)
+        image, origins, directions = (each[chosen] for each in (rays.image, rays.origins, rays.directions))
+        beams = yield from making_beams(image, origins, directions, self._size, triangles.near, self._spacing)
         return beams._replace(number=chosen[beams.number].astype(np.int32))
 
     def plan(self, rays: RayTriangles, beams: Beams, triangles: SceneTriangles) -> Generator[None, None, Plan]:
@@ -114,10 +114,8 @@ class RayLayer:
             pieces = piece_records(beams, plan)
         else:
             # Those left out may have no direction at all.
-            picture, origins, directions = (
-                each[beams.number] for each in (rays.picture, rays.origins, rays.directions)
-            )
-            pieces = self._straight(picture, origins, directions, triangles.corners, plan.pair[:, :2])
+            image, origins, directions = (each[beams.number] for each in (rays.image, rays.origins, rays.directions))
+            pieces = self._straight(image, origins, directions, triangles.corners, plan.pair[:, :2])
         self.visibility.write(records, pairs, pieces)
         return LayerPlan(beams, plan, records, pairs)
 
@@ -141,7 +139,7 @@ class RayLayer:
         low_high = box + AROUND * np.array([-1.0, -1.0, 1.0, 1.0])
         domain = low_high[:, [[0, 1], [2, 1], [2, 3], [0, 3]]] + before.beams.center[pair[chosen, 0]][:, None]
         beams = yield from making_beams(
-            sent.picture, sent.origins, sent.directions, self._size, triangles.near, 1.0, domain
+            sent.image, sent.origins, sent.directions, self._size, triangles.near, 1.0, domain
         )
         if not len(beams.number):
             return None
@@ -149,7 +147,7 @@ class RayLayer:
         count = len(chosen)
         nothing = np.zeros(count, np.int32)
         rays = RayTriangles(
-            sent.picture, sent.origins, sent.directions, np.ones((count, 3)),
+            sent.image, sent.origins, sent.directions, np.ones((count, 3)),
             np.ones(count, bool), np.zeros(count, bool),
             face, triangles.object[face], triangles.group[face], np.full(count, FRONTS, np.int32), nothing,
         )  # fmt: skip

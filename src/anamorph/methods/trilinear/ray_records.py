@@ -24,9 +24,9 @@ RAY_TRIANGLE = np.dtype(
         ("direction_one", "f4", 3), ("scale_x", "f4"),
         ("origin_x", "f4", 3), ("scale_y", "f4"),
         ("origin_y", "f4", 3), ("scale_one", "f4"),
-        ("origin_one", "f4", 3), ("share_x", "f4"),
-        ("anchor", "f4", 3), ("share_y", "f4"),
-        ("incident_x", "f4", 3), ("share_one", "f4"),
+        ("origin_one", "f4", 3), ("transmittance_x", "f4"),
+        ("anchor", "f4", 3), ("transmittance_y", "f4"),
+        ("incident_x", "f4", 3), ("transmittance_one", "f4"),
         ("incident_y", "f4", 3), ("lens", "u4"),
         ("incident_one", "f4", 3), ("inner", "u4"),
         ("before", "u4"), ("through", "u4"), ("first", "u4"), ("met", "u4"),
@@ -41,11 +41,11 @@ SPECULAR = np.uint32(0x80000000)
 
 
 def triangle_records(rays: RayTriangles, beams: Beams) -> np.ndarray:
-    """All ray triangles, (K,) of `RAY_TRIANGLE`. Those that the picture does not show are left at zero but for where
+    """All ray triangles, (K,) of `RAY_TRIANGLE`. Those that the image does not show are left at zero but for where
     they are, and have no number."""
-    records = np.zeros(len(rays.picture), RAY_TRIANGLE)
+    records = np.zeros(len(rays.image), RAY_TRIANGLE)
     for corner in range(3):
-        records[f"corner_{corner}"] = rays.picture[:, corner]
+        records[f"corner_{corner}"] = rays.image[:, corner]
     records["face"], records["object"], records["first"] = np.maximum(rays.face, 0), rays.object, rays.object
     records["lens"], records["inner"] = rays.lens, np.where(rays.total, TOTAL, np.uint32(0))
     records["met"] = np.where(rays.lens > 0, 2, np.where(rays.object > 0, 1, 0))
@@ -53,12 +53,12 @@ def triangle_records(rays: RayTriangles, beams: Beams) -> np.ndarray:
     records["number"][shown] = shown + 1
     records["anchor"][shown] = beams.anchor
     records["center_x"][shown], records["center_y"][shown] = beams.center.T
-    share = np.einsum("kqi,ki->kq", beams.weights, rays.share[shown])
+    transmittance = np.einsum("kqi,ki->kq", beams.weights, rays.transmittance[shown])
     for term, name in enumerate(("x", "y", "one")):
         records[f"direction_{name}"][shown] = beams.direction[:, :, term]
         records[f"origin_{name}"][shown] = beams.origin[:, :, term]
         records[f"scale_{name}"][shown] = beams.scale[:, term]
-        records[f"share_{name}"][shown] = share[:, term]
+        records[f"transmittance_{name}"][shown] = transmittance[:, term]
     return records
 
 

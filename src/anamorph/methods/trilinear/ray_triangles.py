@@ -23,9 +23,9 @@ class RayTriangles:
 
     Parameters
     ----------
-    picture, origins, directions : (K, 3, 3) float64
+    image, origins, directions : (K, 3, 3) float64
         As in a `RayMesh`, for the three corners.
-    share : (K, 3) float64
+    transmittance : (K, 3) float64
         What share of the light goes this way; 1 for mirrors, whose reflectance the pixels find for themselves.
     exists : (K,) bool
         Whether there are rays at all, and on a surface, whether the eye sees its front.
@@ -41,10 +41,10 @@ class RayTriangles:
         The row, from 1, of the lens in `lens_edges`; 0 for none.
     """
 
-    picture: np.ndarray
+    image: np.ndarray
     origins: np.ndarray
     directions: np.ndarray
-    share: np.ndarray
+    transmittance: np.ndarray
     exists: np.ndarray
     total: np.ndarray
     face: np.ndarray
@@ -106,10 +106,10 @@ def _lens_sides(bodies: Sequence[Body]) -> list[Side]:
 def _side_triangles(side: Side, rays: RayMesh, geometry: Geometry, group: int, lens: int) -> RayTriangles:
     count = len(rays.faces)
     # Triangles that turn their front to the eye are clockwise in the image, whose y points down.
-    fronts = np.linalg.det(rays.picture[rays.faces]) < 0.0
+    fronts = np.linalg.det(rays.image[rays.faces]) < 0.0
     return RayTriangles(
         *_corners(rays),
-        np.ones((count, 3)) if rays.share is None else rays.share[rays.faces],
+        np.ones((count, 3)) if rays.transmittance is None else rays.transmittance[rays.faces],
         _any_direction(rays) & fronts,
         (rays.status == RayStatus.TOTAL_REFLECTION)[rays.faces].any(axis=1),
         side.triangles.astype(np.int32),
@@ -121,7 +121,7 @@ def _side_triangles(side: Side, rays: RayMesh, geometry: Geometry, group: int, l
 
 
 def _corners(rays: RayMesh) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    return rays.picture[rays.faces], rays.origins[rays.faces], rays.directions[rays.faces]
+    return rays.image[rays.faces], rays.origins[rays.faces], rays.directions[rays.faces]
 
 
 def _any_direction(rays: RayMesh) -> np.ndarray:

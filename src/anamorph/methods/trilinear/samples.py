@@ -1,4 +1,4 @@
-"""Three places of the picture that stand for the region of a pair: spread over it, and not far outside. Compiled.
+"""Three places of the image that stand for the region of a pair: spread over it, and not far outside. Compiled.
 
 A plan's pieces hold the region in which a ray triangle sees a scene triangle, but may hold more: by a margin of pixels,
 and where the scene triangle is seen edge-on, much more. Whatever is interpolated on that triangle means nothing there.

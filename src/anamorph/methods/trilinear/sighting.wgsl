@@ -35,9 +35,9 @@ fn ray_fragment(clip: vec4f, triangle: RayTriangle, corner: u32) -> RayFragment 
         vec4f(triangle.direction_one, triangle.scale_one),
         vec4f(triangle.origin_x, triangle.center_x),
         vec4f(triangle.origin_y, triangle.center_y),
-        vec4f(triangle.origin_one, triangle.share_x),
-        vec4f(triangle.anchor, triangle.share_y),
-        vec4f(triangle.incident_x, triangle.share_one),
+        vec4f(triangle.origin_one, triangle.transmittance_x),
+        vec4f(triangle.anchor, triangle.transmittance_y),
+        vec4f(triangle.incident_x, triangle.transmittance_one),
         triangle.incident_y,
         triangle.incident_one,
         vec4u(triangle.object, triangle.number, triangle.lens, triangle.inner),
@@ -72,7 +72,7 @@ struct Sighting {
     right: Ray,
     down: Ray,
     // Of the light along the ray.
-    share: f32,
+    transmittance: f32,
 }
 
 fn place_of(fragment: RayFragment) -> vec2f {
@@ -95,14 +95,14 @@ fn is_own(fragment: RayFragment) -> bool {
 
 fn sighting(fragment: RayFragment, place: vec2f, seen: u32) -> Sighting {
     let scale = fragment.direction_x.w * place.x + fragment.direction_y.w * place.y + fragment.direction_one.w;
-    let share = fragment.origin_one.w * place.x + fragment.anchor.w * place.y + fragment.incident_x.w;
+    let transmittance = fragment.origin_one.w * place.x + fragment.anchor.w * place.y + fragment.incident_x.w;
     return Sighting(
         seen & ~SPECULAR,
         (seen & SPECULAR) != 0u,
         ray_at(fragment, place),
         ray_at(fragment, place + vec2f(1.0, 0.0)),
         ray_at(fragment, place + vec2f(0.0, 1.0)),
-        share / scale,
+        transmittance / scale,
     );
 }
 

@@ -1,14 +1,14 @@
 """The numbers of a pair: the quadratics of its scene triangle's three sides, and two linear functions. Compiled.
 
-In a ray triangle, the ray of a picture point q = (x, y, 1) has Pluecker coordinates (L, M) quadratic in q (`beams`);
+In a ray triangle, the ray of an image point q = (x, y, 1) has Pluecker coordinates (L, M) quadratic in q (`beams`);
 so has the side on which it passes an edge from a to b of the scene:
 
     E(q) = L . (a x b) - M . (b - a).
 
 Around a scene triangle the three sides add up to s N, where N = d . n is linear in q and n = (b - a) x (c - a). The ray
-goes through the triangle where all three have the sign of N, for s > 0 in the ray triangle's part of the picture; their
+goes through the triangle where all three have the sign of N, for s > 0 in the ray triangle's part of the image; their
 shares of their sum are the weights of the opposite corners; and t = (s a - o) . n / N. That is exact: edges are curved,
-as conics in the picture, and nothing is projected.
+as conics in the image, and nothing is projected.
 
 Source: exact edges in place of Vallance 2005, chapter 4; three-ray cameras were drawn by vertex and fragment programs
 before, with a bounding triangle an image, by Hou, Wei, Shum and Guo (2006).
@@ -73,7 +73,7 @@ def bending(terms: np.ndarray, first: int, x: float, y: float) -> float:
 
 @inlined
 def lies_beyond(beams: Beams, k: int, a: np.ndarray, b: np.ndarray, sign: float, terms: np.ndarray, first: int) -> bool:
-    """Find the quadratic of an edge's side; whether it is negative all over the ray triangle's part of the picture."""
+    """Find the quadratic of an edge's side; whether it is negative all over the ray triangle's part of the image."""
     _edge(beams, k, a, b, sign, terms, first)
     x, y, half_x, half_y = beams.extent[k]
     value, slope_x, slope_y = quadratic(terms, first, x, y)

@@ -3,7 +3,7 @@
 Source: Vallance, "Trilinear projection" (PhD thesis, 2005). A mirror, a lens, or a camera made by hand is a mesh of ray
 triangles (chapters 2, 5 to 7; ray_triangles.py). What each of them sees of the scene is planned on the processor
 (beams, box_tree, pairs, plan), found by the device without a ray being cast (visibility.py), and coloured
-(coloring.py); here it becomes a part of the picture.
+(coloring.py); here it becomes a part of the image.
 
 Deviation: the thesis draws straight lines between the projected corners of a scene triangle, and more corners where
 these are too wrong, which `edges=straight` does (straight/). Else each pixel decides by its own ray.
@@ -84,13 +84,13 @@ class Options:
 
 
 class TrilinearDrawing(SpecularDrawing):
-    """Draws what a picture's ray triangles see."""
+    """Draws what an image's ray triangles see."""
 
     def __init__(self, stage: Stage, options: Options) -> None:
         super().__init__(stage)
         self._options = options
         scene, size, geometry = stage.view.scene, stage.view.size, stage.geometry
-        self._bare = not stage.pinhole
+        self._bare = not stage.has_pinhole
         self._bodies = bodies_of(scene, geometry)
         corners = np.asarray(geometry.positions, float)[geometry.faces]
         group, normals = body_groups(self._bodies, geometry)
@@ -170,7 +170,7 @@ class TrilinearDrawing(SpecularDrawing):
         else:
             lines = body_triangles(self._bodies, self.stage.geometry, camera.eye(size), self._options.dispersion)
         for number, (unmoved, layers) in enumerate(zip(lines, self._lines, strict=False)):
-            rays = replace(unmoved, picture=unmoved.picture - unmoved.picture[..., 2:] * [*shift, 0.0])
+            rays = replace(unmoved, image=unmoved.image - unmoved.image[..., 2:] * [*shift, 0.0])
             beams = yield from layers[0].beams(rays, self._triangles)
             records = triangle_records(rays, beams)
             if isinstance(camera, Camera):
@@ -188,7 +188,7 @@ class TrilinearDrawing(SpecularDrawing):
         return encoder
 
     def draw_color(self, render_pass: wgpu.GPURenderPassEncoder) -> None:
-        """What the rays see, where it belongs in the picture."""
+        """What the rays see, where it belongs in the image."""
         if not self._planned:
             return
         first = self._lines[0][0].visibility

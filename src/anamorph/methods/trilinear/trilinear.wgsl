@@ -1,4 +1,4 @@
-// Trilinear projection: what the rays of a picture's ray triangles see, coloured.
+// Trilinear projection: what the rays of an image's ray triangles see, coloured.
 // needs: methods/trilinear/sighting.wgsl
 
 // 1 where some surfaces seen may be specular fronts.
@@ -36,17 +36,17 @@ fn incident(fragment: RayFragment) -> vec3f {
 
 // What share of the light that is seen reaches the eye, by colour.
 fn transmitted(fragment: RayFragment, sighting: Sighting) -> vec3f {
-    var share = vec3f(1.0);
+    var transmittance = vec3f(1.0);
     if fragment.numbers.x > 0u {
-        share = mirror_reflectance(fragment.numbers.x, 0.5 * length(sighting.ray.direction - incident(fragment)));
+        transmittance = mirror_reflectance(fragment.numbers.x, 0.5 * length(sighting.ray.direction - incident(fragment)));
         if GLASS && fragment.numbers.z > 0u {
-            share = sighting.share * lens_tint(fragment.numbers.x);
+            transmittance = sighting.transmittance * lens_tint(fragment.numbers.x);
         }
     }
     if FOLLOWS {
-        share *= textureLoad(throughput, vec2u(fragment.pixel.xy), 0).rgb;
+        transmittance *= textureLoad(throughput, vec2u(fragment.pixel.xy), 0).rgb;
     }
-    return share;
+    return transmittance;
 }
 
 // The light of a colour that is seen, as it reaches the eye.

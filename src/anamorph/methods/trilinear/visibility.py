@@ -1,6 +1,6 @@
 """Which scene triangle each pixel's ray meets, on the device: what `plan` has planned, asked for per pixel.
 
-Two passes, without a ray being cast: the ray triangles, each pixel getting the one whose part of the picture it is in;
+Two passes, without a ray being cast: the ray triangles, each pixel getting the one whose part of the image it is in;
 and the pieces of all pairs, of which each pixel keeps the nearest that holds it.
 """
 
@@ -14,7 +14,7 @@ import numpy as np
 import wgpu
 
 from anamorph.gpu.bindings import STORAGE, bind, layout_of, texture
-from anamorph.gpu.buffers import SceneBuffers, roomy_buffer
+from anamorph.gpu.buffers import SceneBuffers, grown_buffer
 from anamorph.gpu.device import get_device, of_device
 from anamorph.gpu.drawing import ProjectionUniform, bind_scene, make_pipeline
 from anamorph.gpu.recording import Recorder
@@ -52,7 +52,7 @@ def views_layout() -> wgpu.GPUBindGroupLayout:
 
 @dataclass(frozen=True, eq=False)
 class Views:
-    """What each sample of a picture sees.
+    """What each sample of an image sees.
 
     Parameters
     ----------
@@ -91,7 +91,7 @@ def bind_views(
 
 
 def make_views(size: tuple[int, int], straight: bool) -> Views:
-    """Targets for a picture of `size` (width, height)."""
+    """Targets for an image of `size` (width, height)."""
     owners = make_target(size, (NUMBER_FORMAT,))
     seen = make_target(size, (NUMBER_FORMAT, WEIGHTS_FORMAT)[: 1 + straight], depth=owners.depth)
     return Views(owners, seen)
@@ -99,12 +99,12 @@ def make_views(size: tuple[int, int], straight: bool) -> Views:
 
 @dataclass(frozen=True)
 class Kind:
-    """What the passes over one picture have to reckon with.
+    """What the passes over one image have to reckon with.
 
     Parameters
     ----------
     bare : bool
-        Whether ray triangles are drawn where their own picture says, or where the surface is that they are on.
+        Whether ray triangles are drawn where their own image says, or where the surface is that they are on.
     fine : bool
         Whether several samples of each pixel are looked at besides its middle.
     straight : bool
@@ -123,7 +123,7 @@ class Kind:
 
 
 class Visibility:
-    """What the rays of one picture meet.
+    """What the rays of one image meet.
 
     Parameters
     ----------
@@ -131,7 +131,7 @@ class Visibility:
     lenses : buffer
         As `trilinear.wgsl` reads them.
     size : (width, height)
-        Of the picture.
+        Of the image.
     kind : Kind
     before : Visibility, optional
         Whose rays these send on.
@@ -189,7 +189,7 @@ class Visibility:
         assert triangles.dtype == RAY_TRIANGLE
         self.count, self._corners = len(triangles), 3 * len(pieces)
         contents = [each if len(each) else np.zeros(1, each.dtype) for each in (triangles, pairs, pieces)]
-        held = [roomy_buffer(buffer, content.nbytes) for buffer, content in zip(self._held, contents, strict=True)]
+        held = [grown_buffer(buffer, content.nbytes) for buffer, content in zip(self._held, contents, strict=True)]
         if held != self._held:
             self._held = list(held)
             self._data = bind(data_layout(), [self._buffers.vertices, self._buffers.indices, *held, self._lenses])

@@ -1,7 +1,7 @@
 // Which scene triangle each pixel's ray meets: first whose ray it is, then what that ray triangle sees.
 // needs: gpu/scene.wgsl, gpu/vertices.wgsl
 //
-// In a ray triangle everything is a polynomial of the place in the picture, relative to the ray triangle's center. The
+// In a ray triangle everything is a polynomial of the place in the image, relative to the ray triangle's center. The
 // weights of a scene triangle's corners, all times one number, are quadratics; N, which is positive where the triangle is
 // seen from the side that the pair stands for, and N times the distance are linear. No edge is drawn straight, and
 // nothing is interpolated: each pixel asks for itself.
@@ -31,15 +31,15 @@ struct Pair {
 
 const SPECULAR = 0x80000000u;
 
-// A triangle of the picture, in pixels, and the row of its pair.
+// A triangle of the image, in pixels, and the row of its pair.
 struct Piece {
     x0: f32, y0: f32, x1: f32, y1: f32, x2: f32, y2: f32,
     pair: u32,
 }
 
-// A ray triangle. Origin, direction, share and the scale that they have in common are linear in the place.
+// A ray triangle. Origin, direction, transmittance and the scale that they have in common are linear in the place.
 struct RayTriangle {
-    // Its picture's homogeneous corners in pixels, where it is not drawn as the surface that it is on.
+    // Its image's homogeneous corners in pixels, where it is not drawn as the surface that it is on.
     corner_0: vec3f,
     center_x: f32,
     corner_1: vec3f,
@@ -60,13 +60,13 @@ struct RayTriangle {
     origin_y: vec3f,
     scale_one: f32,
     origin_one: vec3f,
-    share_x: f32,
+    transmittance_x: f32,
     // What origins are relative to.
     anchor: vec3f,
-    share_y: f32,
+    transmittance_y: f32,
     // The direction of the light before the surface, seen from the eye; it may have any length.
     incident_x: vec3f,
-    share_one: f32,
+    transmittance_one: f32,
     incident_y: vec3f,
     // The row of the lens, from 1, or 0 for a mirror; and what keeps light from going through it: TOTAL or ENDS, or 0.
     lens: u32,
@@ -111,7 +111,7 @@ struct Lens {
 @group(3) @binding(4) var sample_owners: texture_2d<u32>;
 @group(3) @binding(5) var samples_seen: texture_2d<u32>;
 
-// Pixels of the picture for one of what is drawn: less than 1 where there are several samples a pixel.
+// Pixels of the image for one of what is drawn: less than 1 where there are several samples a pixel.
 override PIXEL: f32 = 1.0;
 
 fn quadratic_at(terms: Quadratic, place: vec2f) -> f32 {
@@ -122,8 +122,8 @@ fn linear_at(terms: Linear, place: vec2f) -> f32 {
     return terms.x * place.x + terms.y * place.y + terms.one;
 }
 
-// A picture point in pixels, homogeneous, in clip space at a depth of one half.
-fn picture_clip(place: vec3f) -> vec4f {
+// An image point in pixels, homogeneous, in clip space at a depth of one half.
+fn image_clip(place: vec3f) -> vec4f {
     let size = projection.size.xy;
     return vec4f(2.0 * place.x / size.x - place.z, place.z - 2.0 * place.y / size.y, 0.5 * place.z, place.z);
 }
@@ -140,10 +140,10 @@ fn surface_clip(triangle: RayTriangle, corner: u32) -> vec4f {
     return projection.clip * vec4f(position_of(vertices[indices[3u * triangle.face + corner]]), 1.0);
 }
 
-// A corner of a ray triangle's own picture.
+// A corner of a ray triangle's own image.
 fn bare_clip(triangle: RayTriangle, corner: u32) -> vec4f {
     var corners = array<vec3f, 3>(triangle.corner_0, triangle.corner_1, triangle.corner_2);
-    return picture_clip(corners[corner]);
+    return image_clip(corners[corner]);
 }
 
 @vertex
@@ -198,7 +198,7 @@ fn piece_vertex(@builtin(vertex_index) index: u32) -> PieceFragment {
     }
     var corners = array<vec2f, 3>(vec2f(piece.x0, piece.y0), vec2f(piece.x1, piece.y1), vec2f(piece.x2, piece.y2));
     return PieceFragment(
-        picture_clip(vec3f(corners[index % 3u], 1.0)),
+        image_clip(vec3f(corners[index % 3u], 1.0)),
         vec4f(pair.first.xx, pair.first.xy, pair.first.yy, pair.first.x),
         vec4f(pair.first.y, pair.first.one, pair.second.xx, pair.second.xy),
         vec4f(pair.second.yy, pair.second.x, pair.second.y, pair.second.one),

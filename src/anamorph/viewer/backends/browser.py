@@ -21,7 +21,7 @@ from anamorph.base.errors import AnamorphError
 from anamorph.viewer.application import Viewer
 from anamorph.viewer.backends.gate import Content, Gate
 from anamorph.viewer.backends.stream import LONGEST_MESSAGE, bounded
-from anamorph.viewer.fluency import MOST_PICTURES
+from anamorph.viewer.fluency import MOST_IMAGES
 from anamorph.viewer.starting import Start
 
 SIGNALS = (signal.SIGINT, signal.SIGTERM)
@@ -38,7 +38,7 @@ def serve(start: Start, port: int, size: tuple[int, int], announce: Callable[[st
     port : int
         0 for any that is free.
     size : (width, height)
-        Of the picture until a browser tells its own.
+        Of the image until a browser tells its own.
     announce : callable
         Is given the link.
 
@@ -48,7 +48,7 @@ def serve(start: Start, port: int, size: tuple[int, int], announce: Callable[[st
         When the port cannot be had.
     """
     with _listen(port) as listener:
-        canvas = HttpRenderCanvas(max_fps=MOST_PICTURES, vsync=False)
+        canvas = HttpRenderCanvas(max_fps=MOST_IMAGES, vsync=False)
         canvas._size_info.set_physical_size(*size, 1.0)
         viewer = Viewer(canvas, start, loop.call_later)
         stream = bounded(_drawing, lambda: viewer.frames)
@@ -64,7 +64,7 @@ def serve(start: Start, port: int, size: tuple[int, int], announce: Callable[[st
             server_header=False,
             timeout_graceful_shutdown=1,
             ws_max_size=LONGEST_MESSAGE,
-            # What is sent has been compressed as a picture.
+            # What is sent has been compressed as an image.
             ws_per_message_deflate=False,
         )
         announce(gate.link)

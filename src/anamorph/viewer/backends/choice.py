@@ -41,7 +41,7 @@ def view(
     size: tuple[int, int] = (800, 600),
     camera: Camera | None = None,
 ) -> Any:
-    """Look at a scene: turn it, and see how true the picture is.
+    """Look at a scene: turn it, and see how true the image is.
 
     Parameters
     ----------

@@ -10,7 +10,7 @@ import warnings
 from contextlib import suppress
 
 from anamorph.base.errors import AnamorphError
-from anamorph.viewer.fluency import MOST_PICTURES
+from anamorph.viewer.fluency import MOST_IMAGES
 from anamorph.viewer.starting import Start
 
 SIZE = (1280, 720)
@@ -53,11 +53,11 @@ def open_window(start: Start, size: tuple[int, int] | None = None) -> None:
 
     from anamorph.viewer.application import Viewer
 
-    canvas = GlfwRenderCanvas(size=size or _fitting(), max_fps=MOST_PICTURES, vsync=True)
+    canvas = GlfwRenderCanvas(size=size or _fitting(), max_fps=MOST_IMAGES, vsync=True)
     viewer = Viewer(canvas, start, loop.call_later)
 
     async def mind_interrupts() -> None:
-        # The library's own handler would close the window in the midst of a picture. Windows has no other.
+        # The library's own handler would close the window in the midst of an image. Windows has no other.
         with suppress(NotImplementedError):
             for each in (signal.SIGINT, signal.SIGTERM):
                 asyncio.get_running_loop().add_signal_handler(each, canvas.close)

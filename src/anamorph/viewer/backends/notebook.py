@@ -8,7 +8,7 @@ from typing import Any
 from anamorph.base.errors import AnamorphError
 from anamorph.gpu.device import get_device
 from anamorph.viewer.application import Later, Viewer
-from anamorph.viewer.fluency import MOST_PICTURES
+from anamorph.viewer.fluency import MOST_IMAGES
 from anamorph.viewer.starting import Start
 
 
@@ -42,7 +42,7 @@ def make_widget(start: Start, size: tuple[int, int]) -> Any:
         raise AnamorphError("the viewer in a notebook needs anywidget; pip install 'anamorph[notebook]'") from error
     # Where there is none, the cell says so.
     get_device()
-    canvas = Widget(size=size, max_fps=MOST_PICTURES, vsync=False)
+    canvas = Widget(size=size, max_fps=MOST_IMAGES, vsync=False)
     canvas.follow_views(_WidgetViewer(canvas, start, loop.call_later).follow)
     return canvas
 

@@ -1,4 +1,4 @@
-// What the page does: shows the pictures that the viewer sends, and sends back what its user does.
+// What the page does: shows the images that the viewer sends, and sends back what its user does.
 // The messages are those of rendercanvas's http canvas; the events are made by its renderview.js.
 
 import { followFingers, takeKeys, withFingers } from './input.js'
@@ -15,20 +15,20 @@ let active = null
 
 class View extends window.BaseRenderView {
   constructor () {
-    const picture = document.createElement('img')
-    picture.alt = 'The view, with its controls in the picture. The key ? lists what keys do.'
-    picture.decoding = 'sync'
-    picture.style.imageRendering = 'pixelated'
-    picture.style.touchAction = 'none'
-    picture.ondragstart = () => false
-    super(picture, wrapper)
+    const image = document.createElement('img')
+    image.alt = 'The view, with its controls in the image. The key ? lists what keys do.'
+    image.decoding = 'sync'
+    image.style.imageRendering = 'pixelated'
+    image.style.touchAction = 'none'
+    image.ondragstart = () => false
+    super(image, wrapper)
     this.setCssWidth('100vw')
     this.setCssHeight('100vh')
     this.setThrottle(16)
     this.frames = []
     this.waiting = false
-    this.fingers = followFingers(picture)
-    picture.onload = () => this.showSoon()
+    this.fingers = followFingers(image)
+    image.onload = () => this.showSoon()
   }
 
   onEvent (event) {

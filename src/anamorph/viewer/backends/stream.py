@@ -1,6 +1,6 @@
 """What one page may send and how far it may fall behind, so that nothing that is kept for it grows.
 
-Events wait for the picture that shows what they do, and that waits for the page to confirm those before it; what is
+Events wait for the image that shows what they do, and that waits for the page to confirm those before it; what is
 told to a page waits until it takes it. A page that does neither is disconnected, and comes anew when it can: behind
 others that wait to control the viewer.
 """
@@ -21,7 +21,7 @@ LONGEST_MESSAGE = 8192
 """From a page, in bytes: an event with ten fingers is one thousand."""
 
 MOST_WAITING = 2000
-"""Messages from one page between two pictures: half a minute of moves, while the slowest picture is drawn."""
+"""Messages from one page between two images: half a minute of moves, while the slowest image is drawn."""
 
 LONGEST_TAKING = 30.0
 """Seconds in which a page takes what it is sent."""
@@ -30,7 +30,7 @@ TRY_AGAIN_LATER = 1013
 """Why a connection is closed, as websockets have it."""
 
 CONFIRMATION = "_framefeedback"
-"""What a page says of a picture."""
+"""What a page says of an image."""
 
 
 def bounded(inside: Application, drawn: Callable[[], int]) -> Application:
@@ -41,7 +41,7 @@ def bounded(inside: Application, drawn: Callable[[], int]) -> Application:
     inside : Application
         Rendercanvas's.
     drawn : callable
-        How many pictures have been drawn: with each, the events that wait have been handled.
+        How many images have been drawn: with each, the events that wait have been handled.
     """
 
     async def application(scope: Any, receive: Any, send: Any) -> None:
@@ -59,7 +59,7 @@ class _Page:
 
     def __init__(self, receive: Any, send: Any, drawn: Callable[[], int]) -> None:
         self._receive, self._send, self._drawn = receive, send, drawn
-        self._pictures = self._waiting = 0
+        self._images = self._waiting = 0
         self._seen = drawn()
 
     async def receive(self) -> Any:
@@ -81,19 +81,19 @@ class _Page:
 
     async def send(self, message: Any) -> None:
         """Send, to a page that takes it."""
-        self._pictures += message.get("bytes") is not None
+        self._images += message.get("bytes") is not None
         try:
             await asyncio.wait_for(self._send(message), LONGEST_TAKING)
         except TimeoutError:
             raise ClientDisconnected from None
 
     def _is_meant(self, text: str) -> bool:
-        """Whether this is an event, or confirms a picture that has been sent; others have a meaning inside alone."""
+        """Whether this is an event, or confirms an image that has been sent; others have a meaning inside alone."""
         try:
             said = json.loads(text)
         except (ValueError, RecursionError):
             return False
         kind = said.get("type") if isinstance(said, dict) else None
         if kind == CONFIRMATION:
-            return type(said.get("index")) is int and 0 < said["index"] <= self._pictures
+            return type(said.get("index")) is int and 0 < said["index"] <= self._images
         return isinstance(kind, str) and not kind.startswith("_") and kind != "close"

@@ -1,4 +1,4 @@
-"""The help over the picture: every key and gesture."""
+"""The help over the image: every key and gesture."""
 
 from __future__ import annotations
 

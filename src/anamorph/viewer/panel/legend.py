@@ -1,4 +1,4 @@
-"""What lies over the picture itself: the divider, what each half shows, and the scales to read it by.
+"""What lies over the image itself: the divider, what each half shows, and the scales to read it by.
 
 All of it is drawn without windows. A half whose free part is too narrow for its caption or its scale goes without.
 """
@@ -29,7 +29,7 @@ LINE_HEIGHT = 17.0
 
 
 def draw_divider(sheet: Sheet, state: State, area: Rectangle) -> None:
-    """The line between the halves of the picture in `area`, and its handle."""
+    """The line between the halves of the image in `area`, and its handle."""
     if not state.split:
         return
     lines, (left, _, right, height) = imgui.get_background_draw_list(), area
@@ -47,7 +47,7 @@ def draw_divider(sheet: Sheet, state: State, area: Rectangle) -> None:
 
 
 def draw_legends(sheet: Sheet, state: State, free: Rectangle, area: Rectangle) -> float:
-    """Caption and scale of each half of the picture in `area`, within what of it is `free`; where the captions end."""
+    """Caption and scale of each half of the image in `area`, within what of it is `free`; where the captions end."""
     left, top, right, bottom = free
     x = area[0] + state.divider * (area[2] - area[0])
     halves = (("first", state.first, left, min(x, right)), ("second", state.second, max(x, left), right))
@@ -67,7 +67,7 @@ def draw_legends(sheet: Sheet, state: State, free: Rectangle, area: Rectangle) -
 def half_caption(half: Half, state: State) -> str:
     """What a half shows, in words."""
     said = method_text(half.method)
-    return said if half.aspect is Aspect.PICTURE else f"{said}, {half.aspect}"
+    return said if half.aspect is Aspect.IMAGE else f"{said}, {half.aspect}"
 
 
 def _caption(sheet: Sheet, key: str, text: str, free: Rectangle) -> float:

@@ -1,4 +1,4 @@
-"""The panel's section on the picture: which methods draw it, with which options, and how finely."""
+"""The panel's section on the image: which methods draw it, with which options, and how finely."""
 
 from __future__ import annotations
 
@@ -15,9 +15,9 @@ from anamorph.viewer.facts import Facts
 from anamorph.viewer.panel.fields import Choice, number, text, word
 from anamorph.viewer.panel.sheet import Sheet, button, caption, checkbox, choice, fold, section
 from anamorph.viewer.panel.wording import size_text
-from anamorph.viewer.state import TRUTH, Aspect, Drawing, Half, State
+from anamorph.viewer.state import REFERENCE, Aspect, Drawing, Half, State
 
-ASPECTS = ((Aspect.PICTURE, "Picture"), (Aspect.ERROR, "Error"), (Aspect.STATUS, "Status"))
+ASPECTS = ((Aspect.IMAGE, "Image"), (Aspect.ERROR, "Error"), (Aspect.STATUS, "Status"))
 UNITS = (("mrad", "mrad"), ("px", "pixels"))
 SAMPLES = (("1", "1"), ("2", size_text((2, 2))), ("4", size_text((4, 4))), ("8", size_text((8, 8))))
 RESOLUTIONS = (("0.0", "auto"), ("1.0", "100 %"), ("0.75", "75 %"), ("0.5", "50 %"), ("0.25", "25 %"))
@@ -40,9 +40,9 @@ BOUNCES = "bounces"
 """What methods call the option of how many mirrors and faces of lenses a path may meet."""
 
 
-def picture_section(sheet: Sheet, state: State, facts: Facts) -> State:
+def image_section(sheet: Sheet, state: State, facts: Facts) -> State:
     """What the halves show, and how finely."""
-    if not section(sheet, "section/picture", "Picture"):
+    if not section(sheet, "section/image", "Image"):
         return state
     if state.split:
         caption("Left half")
@@ -59,7 +59,7 @@ def picture_section(sheet: Sheet, state: State, facts: Facts) -> State:
 
 
 def quality_section(sheet: Sheet, state: State) -> State:
-    """How finely the picture is drawn, at rest and while it moves."""
+    """How finely the image is drawn, at rest and while it moves."""
     if not section(sheet, "section/quality", "Quality", opened=False):
         return state
     caption("Samples a pixel, at rest")
@@ -83,13 +83,12 @@ def space_section(sheet: Sheet, state: State) -> State:
 
 
 def few_bounces(options: Any, scene: Scene) -> str:
-    """What to say of options that follow light over fewer mirrors and faces of lenses than the truth does."""
-    shown, true = getattr(options, BOUNCES, None), getattr(TRUTH.options, BOUNCES)
+    """What to say of options that follow light over fewer mirrors and faces of lenses than the reference does."""
+    shown, true = getattr(options, BOUNCES, None), getattr(REFERENCE.options, BOUNCES)
     if shown is None or shown >= true or not _sees_itself(scene):
         return ""
-    return (
-        f"Follows light over {shown} mirrors or faces of lenses, the truth over {true}: see {BOUNCES} in the options."
-    )
+    followed = f"Follows light over {shown} mirrors or faces of lenses, the reference over {true}"
+    return f"{followed}: see {BOUNCES} in the options."
 
 
 @lru_cache(maxsize=4)
@@ -122,7 +121,7 @@ def _methods(facts: Facts) -> tuple[Choice, ...]:
     return tuple(
         Choice(
             name,
-            f"{name} (the truth)" if name == TRUTH.method.name else name,
+            f"{name} (the reference)" if name == REFERENCE.method.name else name,
             method.summary,
             glass.format(name) if facts.scene.refracts and not method.refracts else "",
         )

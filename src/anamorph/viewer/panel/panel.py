@@ -1,4 +1,4 @@
-"""All that the viewer draws with imgui: the panel, the status line, the help, and the legends over the picture.
+"""All that the viewer draws with imgui: the panel, the status line, the help, and the legends over the image.
 
 It shows a state and facts, and returns another state: nothing is kept here but what imgui keeps itself, which section
 is folded and how far the panel is scrolled.
@@ -12,11 +12,11 @@ from dataclasses import dataclass, replace
 from imgui_bundle import imgui
 
 from anamorph.viewer.facts import Facts, Rectangle, Request
-from anamorph.viewer.layout import PANEL_WIDTH, STATUS_HEIGHT, picture_area
+from anamorph.viewer.layout import PANEL_WIDTH, STATUS_HEIGHT, image_area
 from anamorph.viewer.panel import theme
 from anamorph.viewer.panel.help import draw_help
 from anamorph.viewer.panel.legend import draw_divider, draw_legends
-from anamorph.viewer.panel.methods import picture_section, quality_section, space_section
+from anamorph.viewer.panel.methods import image_section, quality_section, space_section
 from anamorph.viewer.panel.notice import draw_notice
 from anamorph.viewer.panel.opening import opening_page, scene_button
 from anamorph.viewer.panel.results import (
@@ -60,7 +60,7 @@ class Drawn:
     opens : str or None
         The scene that the user has just asked for: the name of a built-in one, or a path.
     covered : tuple of Rectangle
-        Where the pointer belongs to imgui, and not to the picture.
+        Where the pointer belongs to imgui, and not to the image.
     typing : bool
         Whether keys belong to imgui, because a value is being typed.
     """
@@ -87,7 +87,7 @@ def draw_panel(state: State, facts: Facts) -> Drawn:
     """
     sheet = Sheet()
     shown = state
-    area = picture_area(facts.size, state.panel)
+    area = image_area(facts.size, state.panel)
     draw_divider(sheet, state, area)
     state = _panel(sheet, state, facts) if state.panel else _panel_button(sheet, state)
     # The closed panel's button stands where a caption would begin.
@@ -131,7 +131,7 @@ def _panel(sheet: Sheet, state: State, facts: Facts) -> State:
 
 
 def _sections(sheet: Sheet, state: State, facts: Facts) -> State:
-    state = picture_section(sheet, state, facts)
+    state = image_section(sheet, state, facts)
     state = scene_section(sheet, state, facts)
     state = eye_section(sheet, state, facts)
     state = views_section(sheet, state)
@@ -166,11 +166,11 @@ def _status_line(sheet: Sheet, state: State, facts: Facts) -> None:
     imgui.push_style_var(imgui.StyleVar_.window_padding, (10.0, 4.0))
     imgui.begin("##status", None, FIXED | imgui.WindowFlags_.no_scrollbar)
     sheet.cover_window("status")
-    words = [size_text(facts.picture)] if all(facts.picture) else []
-    if all(facts.picture) and facts.samples_total > 1:
+    words = [size_text(facts.image)] if all(facts.image) else []
+    if all(facts.image) and facts.samples_total > 1:
         words.append(f"{facts.samples_done} of {facts.samples_total} samples")
     if facts.frame_ms:
-        words.append(f"{facts.frame_ms:.0f} ms, {1000.0 / facts.frame_ms:.0f} pictures a second")
+        words.append(f"{facts.frame_ms:.0f} ms, {1000.0 / facts.frame_ms:.0f} images a second")
     words += ["from outside"] if state.observer is not None else []
     words += [f"{state.eye} eye"] if state.eye is not EyeSide.MIDDLE else []
     words += [f"{len(state.views)} view{'s' * (len(state.views) > 1)} remembered"] if state.views else []

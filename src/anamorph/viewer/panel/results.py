@@ -22,23 +22,23 @@ from anamorph.viewer.remembered import LEAST
 from anamorph.viewer.state import Aspect, State, with_picked
 
 SAVED = (
-    (Request.SAVE_PICTURE, "Picture", "The picture as it is seen, without the panel"),
+    (Request.SAVE_IMAGE, "Image", "The image as it is seen, without the panel"),
     (Request.SAVE_SCENE, "Scene file", "A scene file that opens this very view again"),
     (
         Request.SAVE_TURNTABLE,
         "Turntable",
         "A video in which the eye swings to either side; from outside, it goes all the way round",
     ),
-    (Request.SAVE_TURNTABLE_SERIES, "Turntable PNGs", "The turntable as numbered pictures in a folder"),
+    (Request.SAVE_TURNTABLE_SERIES, "Turntable PNGs", "The turntable as numbered images in a folder"),
     (Request.SAVE_PATH, "Path", "A video in which the eye goes through the remembered views, one after the other"),
-    (Request.SAVE_PATH_SERIES, "Path PNGs", "The path as numbered pictures in a folder"),
+    (Request.SAVE_PATH_SERIES, "Path PNGs", "The path as numbered images in a folder"),
     (Request.SAVE_COMPARISON, "Comparison", "A page that compares the methods on this view, with error maps"),
 )
 
 PATHS = Request.SAVE_PATH, Request.SAVE_PATH_SERIES
 TOO_FEW = "A path needs two remembered views (K)."
 
-UNASKED = "Choose Error above, or click into the picture, to have them measured."
+UNASKED = "Choose Error above, or click into the image, to have them measured."
 
 
 def inspection_section(sheet: Sheet, state: State, facts: Facts) -> State:
@@ -51,7 +51,7 @@ def inspection_section(sheet: Sheet, state: State, facts: Facts) -> State:
     if fresh:
         imgui.set_scroll_here_y(0.0)
     if facts.inspection is None:
-        caption("Measuring …" if state.picked else "Click into the picture to look into a pixel.")
+        caption("Measuring …" if state.picked else "Click into the image to look into a pixel.")
     else:
         _inspection(facts.inspection)
     if state.picked and button(sheet, "inspection/clear", "Clear"):
@@ -61,7 +61,7 @@ def inspection_section(sheet: Sheet, state: State, facts: Facts) -> State:
 
 def figures_section(sheet: Sheet, state: State, facts: Facts) -> None:
     """How wrong the halves are."""
-    if not section(sheet, "section/figures", "Errors of the halves" if state.split else "Errors of the picture"):
+    if not section(sheet, "section/figures", "Errors of the halves" if state.split else "Errors of the image"):
         return
     figures = tuple(facts.figures)[: len(state.halves)]
     if not any(figures):
@@ -100,15 +100,15 @@ def save_section(sheet: Sheet, state: State, facts: Facts) -> None:
 
 
 def timing_section(sheet: Sheet, facts: Facts) -> None:
-    """How long the pictures take, and what draws them."""
+    """How long the images take, and what draws them."""
     if not section(sheet, "section/timing", "Timing", opened=False):
         return
-    row("a picture", f"{facts.frame_ms:.1f} ms" if facts.frame_ms else NOT_MEASURED)
-    row("pictures a second", f"{1000.0 / facts.frame_ms:.0f}" if facts.frame_ms else NOT_MEASURED)
+    row("an image", f"{facts.frame_ms:.1f} ms" if facts.frame_ms else NOT_MEASURED)
+    row("images a second", f"{1000.0 / facts.frame_ms:.0f}" if facts.frame_ms else NOT_MEASURED)
     for phase, time in facts.phases_ms.items():
         row(f"   {phase}", f"{time:.1f} ms")
-    if all(facts.picture):
-        row("drawn", size_text(facts.picture))
+    if all(facts.image):
+        row("drawn", size_text(facts.image))
         row("at rest", size_text(facts.full))
         if facts.samples_total > 1:
             row("samples", f"{facts.samples_done} of {facts.samples_total}")
@@ -129,9 +129,9 @@ def _inspection(seen: Inspection) -> None:
     row("pixel", f"{seen.pixel[0]}, {seen.pixel[1]}")
     row("method", method_text(seen.method))
     row("sees", seen.seen)
-    row("in truth", seen.truth)
-    if seen.truth != seen.seen:
-        wrapped("Another object than the truth.", theme.WARNING)
+    row("in truth", seen.reference)
+    if seen.reference != seen.seen:
+        wrapped("Another object than the reference.", theme.WARNING)
     row("point, m", NOT_MEASURED if seen.point is None else point_text(seen.point))
     row("along the path", NOT_MEASURED if seen.distance is None else number_text(seen.distance, 3, "m"))
     row("status", name_text(seen.status))

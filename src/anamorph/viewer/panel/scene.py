@@ -62,7 +62,7 @@ def eye_section(sheet: Sheet, state: State, facts: Facts) -> State:
         "eye/observer",
         "Look on from outside",
         state.observer is not None,
-        "Take the picture from aside, to see the eye, the mirror and the rays between them",
+        "Take the image from aside, to see the eye, the mirror and the rays between them",
     )
     if outside != (state.observer is not None):
         state = with_observer(state, first_observer(facts.scene, camera) if outside else None)

@@ -27,7 +27,7 @@ LETTERS = 14.0
 """Height of the font, logical pixels."""
 
 MARGIN = 8.0
-"""Between what lies over the picture and the edges of its half."""
+"""Between what lies over the image and the edges of its half."""
 
 GUTTER = 22.0
 """Kept free at the right of every field, for the sign that sets it back."""

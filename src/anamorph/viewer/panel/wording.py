@@ -6,7 +6,7 @@ import math
 
 from anamorph.methods.specification import Specification
 from anamorph.viewer.facts import Vector
-from anamorph.viewer.state import TRUTH
+from anamorph.viewer.state import REFERENCE
 
 NOT_MEASURED = "\N{EN DASH}"
 
@@ -51,7 +51,7 @@ def point_text(point: Vector) -> str:
 def method_text(specification: Specification) -> str:
     """A method and its options in words."""
     name, _, options = str(specification).partition(":")
-    words = ["truth" if specification == TRUTH else name]
+    words = ["truth" if specification == REFERENCE else name]
     return ", ".join([*words, *(each.replace("=", " ") for each in options.split(",") if each)])
 
 

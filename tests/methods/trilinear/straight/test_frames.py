@@ -34,13 +34,13 @@ def rasterised(camera: RayMesh, corners: np.ndarray, size: tuple[int, int], **op
     """Whether each pixel's middle is in a piece within its ray triangle, and whether that is clear of any border."""
     x, y = np.meshgrid(np.arange(size[0]) + 0.5, np.arange(size[1]) + 0.5)
     middles = np.stack([x.ravel(), y.ravel()], axis=1)
-    picture, origins, ways = (each[camera.faces] for each in (camera.picture, camera.origins, camera.directions))
-    count = len(picture)
+    image, origins, ways = (each[camera.faces] for each in (camera.image, camera.origins, camera.directions))
+    count = len(image)
     pairs = np.column_stack([np.repeat(np.arange(count), len(corners)), np.tile(np.arange(len(corners)), count)])
-    pieces = straight_pieces(picture, origins, ways, corners, pairs, **options)
+    pieces = straight_pieces(image, origins, ways, corners, pairs, **options)
     covered, doubtful = np.zeros((2, len(middles)), bool)
     for places, pair in zip(pieces.place.astype(float), pieces.pair, strict=True):
-        outline = picture[pairs[pair, 0]]
+        outline = image[pairs[pair, 0]]
         within, near = inside(places, middles)
         own, border = inside(outline[:, :2] / outline[:, 2:], middles)
         covered |= within & own

@@ -1,4 +1,4 @@
-"""Straight-edged pieces of scene triangles in ray triangles, against the exact picture and the shapes of the thesis."""
+"""Straight-edged pieces of scene triangles in ray triangles, against the exact image and the shapes of the thesis."""
 
 from __future__ import annotations
 
@@ -16,20 +16,20 @@ from anamorph.methods.trilinear.straight import fill, pieces, project_triangle, 
 from anamorph.methods.trilinear.straight.cutting import GUARD
 
 PLAIN = np.array([[0.0, 0.0, 1.0], [1.0, 0.0, 1.0], [0.0, 1.0, 1.0]])
-"""A picture in which places are u and v."""
+"""An image in which places are u and v."""
 
 ONE = np.zeros((1, 2), int)
 QUICK = settings(max_examples=40, phases=(Phase.explicit, Phase.generate))
 SEEDS = st.integers(0, 2**32 - 1)
 
 
-def pieces_of(p, n, corners, picture=PLAIN, **options):
-    return straight_pieces(picture[None], p[None], n[None], corners[None], ONE, **options)
+def pieces_of(p, n, corners, image=PLAIN, **options):
+    return straight_pieces(image[None], p[None], n[None], corners[None], ONE, **options)
 
 
-def seen_exactly(picture, p, n, corners, places, near=0.0):
+def seen_exactly(image, p, n, corners, places, near=0.0):
     """Where the triangle is seen at places (N, 2) inside a ray triangle: the signs of three quadratics; t as well."""
-    w = np.linalg.inv(picture).T @ np.vstack([places.T, np.ones(len(places))])
+    w = np.linalg.inv(image).T @ np.vstack([places.T, np.ones(len(places))])
     o, d, s = w.T @ p, w.T @ n, w.sum(axis=0)[:, None]
     a, b, c = corners
     edges = [np.sum(d * np.cross(x * s - o, y - x), axis=1) for x, y in ((a, b), (b, c), (c, a))]
@@ -52,18 +52,18 @@ def covered(pieces, places):
     return ((sides >= 0.0).all(axis=0) | (sides <= 0.0).all(axis=0)).any(axis=0)
 
 
-def drawn_in(picture, random, count):
-    """Random places in a ray triangle's picture."""
+def drawn_in(image, random, count):
+    """Random places in a ray triangle's image."""
     weights = random.dirichlet([1.0, 1.0, 1.0], count)
-    corners = picture[:, :2] / picture[:, 2:]
+    corners = image[:, :2] / image[:, 2:]
     return weights @ corners
 
 
-def wrong(p, n, corners, picture=PLAIN, count=2000, near=0.0, **options):
-    """The share of the ray triangle's picture that the pieces have wrong."""
-    places = drawn_in(picture, np.random.default_rng(0), count)
-    pieces = pieces_of(p, n, corners, picture, near=near, **options)
-    return np.mean(covered(pieces, places) != seen_exactly(picture, p, n, corners, places, near)[0])
+def wrong(p, n, corners, image=PLAIN, count=2000, near=0.0, **options):
+    """The share of the ray triangle's image that the pieces have wrong."""
+    places = drawn_in(image, np.random.default_rng(0), count)
+    pieces = pieces_of(p, n, corners, image, near=near, **options)
+    return np.mean(covered(pieces, places) != seen_exactly(image, p, n, corners, places, near)[0])
 
 
 def cut_to_triangle(polygon):
@@ -252,28 +252,28 @@ def test_rays_without_a_triangle_between_them_see_nothing():
 @given(SEEDS, st.integers(0, 3), st.integers(1, 3), st.booleans())
 def test_pieces_stay_in_the_neighbourhood_of_their_ray_triangle(seed, slices, tessellate, behind):
     p, n, corners, random = scene(seed, "any")
-    picture = np.hstack([random.uniform(0, 50, (3, 2)), np.ones((3, 1))]) * random.uniform(0.5, 3.0, (3, 1))
+    image = np.hstack([random.uniform(0, 50, (3, 2)), np.ones((3, 1))]) * random.uniform(0.5, 3.0, (3, 1))
     if behind:
-        picture[0] *= -1.0
-    pieces = pieces_of(p, n, corners, picture, slices=slices, tessellate=tessellate)
+        image[0] *= -1.0
+    pieces = pieces_of(p, n, corners, image, slices=slices, tessellate=tessellate)
     assert np.isfinite(pieces.place).all() and np.isfinite(pieces.weights).all() and np.isfinite(pieces.t).all()
     if not behind:
         shares = np.linalg.solve(
-            (picture / picture[:, 2:]).T, np.vstack([pieces.place.reshape(-1, 2).T, np.ones(pieces.t.size)])
+            (image / image[:, 2:]).T, np.vstack([pieces.place.reshape(-1, 2).T, np.ones(pieces.t.size)])
         )
         assert shares.min(initial=0.0) >= -GUARD - 1e-2
-        assert wrong(p, n, corners, picture, count=300, slices=40) < 0.05
+        assert wrong(p, n, corners, image, count=300, slices=40) < 0.05
 
 
 def test_many_pairs_are_drawn_as_one_by_one_in_their_order_on_any_number_of_cores(monkeypatch):
     random = np.random.default_rng(3)
     p, n, corners = random.normal(size=(3, 6, 3, 3))
-    picture = np.tile(PLAIN, (6, 1, 1))
+    image = np.tile(PLAIN, (6, 1, 1))
     pairs = np.argwhere(np.ones((6, 6)))
     options = {"tessellate": 2, "slices": 1}
-    together = straight_pieces(picture, p, n, corners, pairs, **options)
+    together = straight_pieces(image, p, n, corners, pairs, **options)
     monkeypatch.setattr(pieces, "GRAIN", 5)
-    parts = straight_pieces(picture, p, n, corners, pairs, **options)
+    parts = straight_pieces(image, p, n, corners, pairs, **options)
     for name in ("place", "weights", "t", "pair"):
         assert (getattr(together, name) == getattr(parts, name)).all()
     assert (np.diff(together.pair) >= 0).all()

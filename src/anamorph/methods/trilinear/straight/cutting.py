@@ -1,4 +1,4 @@
-"""Triangles of the picture cut to the neighbourhood of their ray triangle. Compiled.
+"""Triangles of the image cut to the neighbourhood of their ray triangle. Compiled.
 
 Near vanishing lines u and v grow without bound. What lies further from the ray triangle than `GUARD` times its size is
 cut away, and what lies beyond one of its sides is left out.
@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 
 from anamorph.base.compiled import compiled, inlined
-from anamorph.methods.trilinear.straight.rows import PICTURE
+from anamorph.methods.trilinear.straight.rows import IMAGE
 from anamorph.methods.trilinear.straight.traces import SECOND, THIRD, TRACE, T, U, V
 from anamorph.raytriangle.rows import PACE, SHIFT
 
@@ -17,13 +17,13 @@ Pieces = tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]
 """Place, weights, t and pair, as in `StraightPieces`."""
 
 GUARD = 4.0
-"""How far pieces may reach: weights in the picture are at least minus this."""
+"""How far pieces may reach: weights in the image are at least minus this."""
 
 SLIVER = 1e-9
 """A piece that reaches no further into the ray triangle has come there by rounding."""
 
 EYE = 1e-3
-"""Where the picture's w changes its sign over a ray triangle, pieces are cut at this share of the greatest."""
+"""Where the image's w changes its sign over a ray triangle, pieces are cut at this share of the greatest."""
 
 CORNERS = 8
 """A triangle cut by four lines has seven corners at most."""
@@ -43,7 +43,7 @@ def _beyond_a_side(a: np.ndarray, b: np.ndarray, c: np.ndarray) -> bool:
 @inlined
 def _inside(row: np.ndarray, point: np.ndarray, line: int) -> float:
     """How far inside one of the lines that pieces are cut by; negative outside."""
-    w0, w1, w2 = row[PICTURE + 2], row[PICTURE + 5], row[PICTURE + 8]
+    w0, w1, w2 = row[IMAGE + 2], row[IMAGE + 5], row[IMAGE + 8]
     u, v = point[U], point[V]
     rest = 1.0 - u - v
     if line == 3:
@@ -68,7 +68,7 @@ def cut_piece(
         return used
     for word in range(TRACE):
         polygon[0, 0, word], polygon[0, 1, word], polygon[0, 2, word] = a[word], b[word], c[word]
-    before_eye = row[PICTURE + 2] > 0.0 and row[PICTURE + 5] > 0.0 and row[PICTURE + 8] > 0.0
+    before_eye = row[IMAGE + 2] > 0.0 and row[IMAGE + 5] > 0.0 and row[IMAGE + 8] > 0.0
     count, now = 3, 0
     for line in range(3 if before_eye else 4):
         outside = False
@@ -118,9 +118,9 @@ def _write(
         point = polygon[k + corner - 1 if corner else 0]
         u, v = point[U], point[V]
         rest = 1.0 - u - v
-        w = rest * row[PICTURE + 2] + u * row[PICTURE + 5] + v * row[PICTURE + 8]
+        w = rest * row[IMAGE + 2] + u * row[IMAGE + 5] + v * row[IMAGE + 8]
         for axis in range(2):
-            homogeneous = rest * row[PICTURE + axis] + u * row[PICTURE + 3 + axis] + v * row[PICTURE + 6 + axis]
+            homogeneous = rest * row[IMAGE + axis] + u * row[IMAGE + 3 + axis] + v * row[IMAGE + 6 + axis]
             place[used, corner, axis] = homogeneous / w
         weights[used, corner, 0], weights[used, corner, 1] = point[SECOND], point[THIRD]
         t[used, corner] = (point[T] + row[SHIFT]) * row[PACE]

@@ -22,7 +22,7 @@ class StraightEdges:
 
     def pieces(
         self,
-        picture: np.ndarray,
+        image: np.ndarray,
         origins: np.ndarray,
         directions: np.ndarray,
         corners: np.ndarray,
@@ -30,7 +30,7 @@ class StraightEdges:
     ) -> np.ndarray:
         """What `straight_pieces` finds, (T, 3) of `STRAIGHT_CORNER`."""
         found = straight_pieces(
-            picture, origins, directions, corners, pairs,
+            image, origins, directions, corners, pairs,
             tessellate=self.tessellate, slices=self.slices, scene_clip=self.scene_clip,
         )  # fmt: skip
         records = np.zeros((len(found.pair), 3), STRAIGHT_CORNER)

@@ -5,8 +5,8 @@ Source: Vallance 2005, chapters 4 and 5: corners projected and joined into shape
 triangle first (4.5.1). Here to be compared with exact edges, and therefore compiled.
 
 Deviations: a shape of two corners is a line in the thesis and nothing here. A shape that goes on to infinity (rays
-parallel to one plane) ends at `fill.ENDLESS`, close to the point of the picture to which it goes. Where the rays of a
-ray triangle all meet in a point or a line ahead, the picture of what extends across it goes through infinity, and is
+parallel to one plane) ends at `fill.ENDLESS`, close to the point of the image to which it goes. Where the rays of a
+ray triangle all meet in a point or a line ahead, the image of what extends across it goes through infinity, and is
 cut in two there. Shapes of more than three corners, and those with cuts or extra levels, get points on both chains at
 the same t, instead of being drawn as polygons of any form. And see `traces` and `strips`.
 """
@@ -27,7 +27,7 @@ GRAIN = 4096
 
 @dataclass(frozen=True, eq=False)
 class StraightPieces:
-    """Triangles of the picture, T of them, in the order of their pairs.
+    """Triangles of the image, T of them, in the order of their pairs.
 
     Parameters
     ----------
@@ -48,7 +48,7 @@ class StraightPieces:
 
 
 def straight_pieces(
-    picture: np.ndarray,
+    image: np.ndarray,
     origins: np.ndarray,
     directions: np.ndarray,
     corners: np.ndarray,
@@ -66,8 +66,8 @@ def straight_pieces(
 
     Parameters
     ----------
-    picture : (K, 3, 3) array
-        The ray triangles' homogeneous picture corners (x w, y w, w), pixels.
+    image : (K, 3, 3) array
+        The ray triangles' homogeneous image corners (x w, y w, w), pixels.
     origins, directions : (K, 3, 3) array
         A row for each of the three rays; directions of any length, but not all 0.
     corners : (M, 3, 3) array
@@ -88,7 +88,7 @@ def straight_pieces(
     AnamorphError
         If a ray is not finite, or all directions of a ray triangle are 0.
     """
-    rows = straight_rows(picture, origins, directions)
+    rows = straight_rows(image, origins, directions)
     corners, pairs = np.ascontiguousarray(corners, float), np.ascontiguousarray(pairs, np.int64)
     divided = tessellate * tessellate
     total = len(pairs) * divided

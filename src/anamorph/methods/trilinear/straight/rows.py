@@ -1,4 +1,4 @@
-"""Rows of ray triangles, with what their edges sweep and their pictures behind the numbers of `raytriangle.rows`.
+"""Rows of ray triangles, with what their edges sweep and their images behind the numbers of `raytriangle.rows`.
 
 The edge between the rays i and j sweeps a surface. With r_i(t), r_j(t) its ends, the line through a and b meets the
 line between them where (Vallance 2005, 5.2, derived again)
@@ -18,18 +18,18 @@ from anamorph.raytriangle.scaled import SPREAD, scaled_rays
 SIDES, SIDE = WIDTH, 15
 """For each edge, named by the ray opposite: r_i x r_j by powers of t, then r_i - r_j."""
 
-PICTURE = SIDES + 3 * SIDE
+IMAGE = SIDES + 3 * SIDE
 """(x w, y w, w) of the three corners."""
 
 
-def straight_rows(picture: np.ndarray, origins: np.ndarray, directions: np.ndarray) -> np.ndarray:
-    """Rows (K, 100) float64 of K ray triangles (K, 3, 3) with homogeneous picture corners (K, 3, 3)."""
+def straight_rows(image: np.ndarray, origins: np.ndarray, directions: np.ndarray) -> np.ndarray:
+    """Rows (K, 100) float64 of K ray triangles (K, 3, 3) with homogeneous image corners (K, 3, 3)."""
     rays = scaled_rays(origins, directions)
     starts = SPREAD.T @ rays.origins
     changes = SPREAD.T @ rays.directions + rays.mean[:, None]
     swept = [_swept(starts, changes, edge) for edge in range(3)]
     return np.concatenate(
-        [packed(rays), *(part.reshape(-1, SIDE) for part in swept), np.reshape(picture, (-1, 9)).astype(float)], axis=1
+        [packed(rays), *(part.reshape(-1, SIDE) for part in swept), np.reshape(image, (-1, 9)).astype(float)], axis=1
     )
 
 

@@ -22,7 +22,7 @@ struct StraightFragment {
 fn straight_vertex(@builtin(vertex_index) index: u32) -> StraightFragment {
     let corner = straight_corners[index];
     let pair = pairs[corner.pair];
-    let clip = picture_clip(vec3f(corner.x, corner.y, 1.0));
+    let clip = image_clip(vec3f(corner.x, corner.y, 1.0));
     return StraightFragment(clip, vec3f(corner.second, corner.third, corner.t), vec2u(pair.ray_triangle, pair.seen));
 }
 

@@ -1,4 +1,4 @@
-"""A shape's two chains as points of the picture: corners, and places on scene edges where more are wanted.
+"""A shape's two chains as points of the image: corners, and places on scene edges where more are wanted.
 
 More are wanted where a chain is cut, at extra levels of t (4.5.2 of the thesis), and where it leaves the ray triangle
 (5.2). All are found alike: at any t of a chain, the scene edge that it follows meets the plane of the parametric
@@ -172,7 +172,7 @@ def traced(
     levels: np.ndarray,
     trace: np.ndarray,
 ) -> int:
-    """What a chain leaves in the picture between two t; how many points.
+    """What a chain leaves in the image between two t; how many points.
 
     Parameters
     ----------

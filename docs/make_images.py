@@ -1,4 +1,4 @@
-"""Makes the pictures of the README and these pages: `.venv/bin/python docs/make_pictures.py`."""
+"""Makes the images of the README and these pages: `.venv/bin/python docs/make_images.py`."""
 
 from __future__ import annotations
 
@@ -13,16 +13,16 @@ from anamorph.cli import demo
 from anamorph.measure.errors import measure
 from anamorph.measure.heatmap import MILLIRADIANS, heat_map, scale_colors
 
-PICTURES = Path(__file__).resolve().parent / "pictures"
+IMAGES = Path(__file__).resolve().parent / "images"
 
 SHOWN = {
-    **{f"car-mirror-{name}": ("car-mirror", *drawn) for name, drawn in demo.PICTURES.items()},
+    **{f"car-mirror-{name}": ("car-mirror", *drawn) for name, drawn in demo.IMAGES.items()},
     "car-mirror-overlay": ("car-mirror", "pervertex:antialias=4,mipmaps=true,overlay=mesh", 1),
     "flat-mirror-pervertex": ("flat-mirror", "pervertex:antialias=4,mipmaps=true", 1),
     "room-pervertex": ("room", "pervertex:antialias=4,mipmaps=true", 1),
     "room-raytrace": ("room", "raytrace", 3),
 }
-"""Scene, method and samples of each picture."""
+"""Scene, method and samples of each image."""
 
 STATUS_COLORS = {
     an.Status.DIRECT: (235, 235, 230),
@@ -33,32 +33,32 @@ STATUS_COLORS = {
 
 
 def save(name: str, pixels: np.ndarray) -> None:
-    """Write 8-bit pixels as a small JPEG in `PICTURES`."""
-    with whole_file(PICTURES / f"{name}.jpg") as file:
+    """Write 8-bit pixels as a small JPEG in `IMAGES`."""
+    with whole_file(IMAGES / f"{name}.jpg") as file:
         Image.fromarray(pixels).save(file, "JPEG", quality=86, optimize=True)
-    print(PICTURES / f"{name}.jpg")
+    print(IMAGES / f"{name}.jpg")
 
 
 def error_map(method: str) -> np.ndarray:
     """Angular errors of `method` in car-mirror, as in the page that `anamorph compare --html` writes."""
-    truth = an.render("car-mirror", method="raytrace", size=demo.SIZE, seen=True)
+    reference = an.render("car-mirror", method="raytrace", size=demo.SIZE, seen=True)
     frame = an.render("car-mirror", method=method, size=demo.SIZE, seen=True)
-    return heat_map(measure(truth, frame).maps, truth.color)
+    return heat_map(measure(reference, frame).maps, reference.color)
 
 
 def scale() -> np.ndarray:
     """The colours of the error maps, with their milliradians."""
     width, height, margin = 640, 24, 48
-    picture = Image.new("RGB", (width + 2 * margin, 64), "white")
+    image = Image.new("RGB", (width + 2 * margin, 64), "white")
     ticks = MILLIRADIANS.ticks
     errors = np.geomspace(ticks[0], ticks[-1], width)
-    picture.paste(Image.fromarray(np.tile(scale_colors(errors), (height, 1, 1))), (margin, 4))
-    draw = ImageDraw.Draw(picture)
+    image.paste(Image.fromarray(np.tile(scale_colors(errors), (height, 1, 1))), (margin, 4))
+    draw = ImageDraw.Draw(image)
     for index, tick in enumerate(ticks):
         place = margin + index * width / (len(ticks) - 1)
         unit = " mrad" if index == len(ticks) - 1 else ""
         draw.text((place, 34), f"{tick:g}{unit}", "black", ImageFont.load_default(18), "mt")
-    return np.asarray(picture)
+    return np.asarray(image)
 
 
 def status_map() -> np.ndarray:
@@ -73,7 +73,7 @@ def status_map() -> np.ndarray:
 
 def main() -> None:
     """Make them all."""
-    PICTURES.mkdir(exist_ok=True)
+    IMAGES.mkdir(exist_ok=True)
     for name, (scene, method, samples) in SHOWN.items():
         save(name, to_pixels(an.render(scene, method=method, size=demo.SIZE, samples=samples).color))
     for method in ("pervertex", "environment"):

@@ -41,7 +41,7 @@ Extra = Callable[[MapKind, wgpu.GPURenderPassEncoder], None]
 
 
 @dataclass(frozen=True, eq=False)
-class Picture:
+class SeenBodies:
     """The bodies as one eye sees them.
 
     Parameters
@@ -62,8 +62,8 @@ class Picture:
         return tuple(mesh for each in self.seen for mesh in each.body_rays.body.meshes)
 
 
-class Pictures:
-    """The pictures of all levels of one frame.
+class FrameMaps:
+    """The images of all levels of one frame.
 
     Parameters
     ----------
@@ -73,7 +73,7 @@ class Pictures:
         As many as there are maps in maps at most.
     options : Options
     draw : callable
-        Draws a picture into a pass.
+        Draws an image into a pass.
     """
 
     def __init__(
@@ -82,7 +82,7 @@ class Pictures:
         bodies: tuple[Body, ...],
         levels: Sequence[Level],
         options: Options,
-        draw: Callable[[Picture, MapKind, wgpu.GPURenderPassEncoder], None],
+        draw: Callable[[SeenBodies, MapKind, wgpu.GPURenderPassEncoder], None],
     ) -> None:
         self._surroundings, self._bodies = surroundings, bodies
         self._levels, self._options, self._draw = levels, options, draw
@@ -94,7 +94,7 @@ class Pictures:
         """Take over the surroundings after meshes have moved."""
         self._surroundings = surroundings
 
-    def plan(self, eye: Eye, position: np.ndarray, extra: Extra | None = None) -> Picture | None:
+    def plan(self, eye: Eye, position: np.ndarray, extra: Extra | None = None) -> SeenBodies | None:
         """Plan all that an eye at `position` sees; `extra` draws into the maps of the first bounce.
 
         As long as the eye stays, what the bodies do to its rays is not found again.
@@ -105,10 +105,10 @@ class Pictures:
         key = (*eye.point, *eye.matrix.ravel())
         if key != self._eye:
             self._eye, self._rays = key, [rays_of(body, eye) for body in self._bodies]
-        picture = self._seen_by(eye, self._levels, self._options.bounces, self._rays, position, extra)
+        image = self._seen_by(eye, self._levels, self._options.bounces, self._rays, position, extra)
         for level in self._levels:
             level.place()
-        return picture
+        return image
 
     def figures(self) -> dict[str, float]:
         """How many maps the last plan has, of all levels, their texels, and the share of these that is looked up."""
@@ -138,7 +138,7 @@ class Pictures:
         rays: Sequence[BodyRays],
         position: np.ndarray | None = None,
         extra: Extra | None = None,
-    ) -> Picture | None:
+    ) -> SeenBodies | None:
         """Plan what an eye sees by the maps of the first of `levels`, in which the others are seen.
 
         Its paths may meet `bounces` more interfaces; a body that has more ends them.
@@ -168,7 +168,7 @@ class Pictures:
                 draws.append(level.add(body_rays, faces, plan, range(first, first + len(views))))
             draws += [level.add(body_rays, faces, None, range(1)) for faces in seen.lost]
             found.append(seen)
-        return Picture(level, tuple(draws), tuple(found)) if draws else None
+        return SeenBodies(level, tuple(draws), tuple(found)) if draws else None
 
     def _size(self, texels: tuple[float, float]) -> tuple[int, int]:
         largest = min(MOST, maximum_size())
@@ -218,7 +218,7 @@ def _each(extras: Sequence[Extra], kind: MapKind, render_pass: wgpu.GPURenderPas
 
 def _extent(body: Body, eye: Eye) -> float:
     """How many texels a body spans at most, in a map."""
-    places = eye.picture(np.concatenate([side.optics.positions for side in body.sides]))
+    places = eye.image(np.concatenate([side.optics.positions for side in body.sides]))
     if places[:, 2].min() <= 0.0:
         return float(max(eye.size))
     within = np.clip(places[:, :2] / places[:, 2:], 0.0, eye.size)

@@ -11,6 +11,8 @@ from pathlib import Path
 
 import pytest
 
+from anamorph.methods import METHODS
+
 MAPS = Path("/proc/self/maps")
 """What a process has in its memory, line by line: addresses, rights, offset, device, file number and file."""
 
@@ -19,6 +21,7 @@ import sys
 from pathlib import Path
 from anamorph.frame import View
 from anamorph.gallery import make
+from anamorph.methods import Specification
 from anamorph.viewer.controls import edited
 
 def code():
@@ -37,7 +40,7 @@ for number in range(12):
 
 
 @pytest.mark.skipif(not MAPS.exists(), reason="the system does not tell what a process has in its memory")
-@pytest.mark.parametrize("method", ["raytrace", "environment", "pervertex", "trilinear"])
+@pytest.mark.parametrize("method", METHODS)
 def test_sessions_opened_one_after_the_other_leave_no_compiled_shader(method):
     run = subprocess.run([sys.executable, "-c", OPENING, method], capture_output=True, text=True, check=True)
     kept = [int(line) for line in run.stdout.split()]

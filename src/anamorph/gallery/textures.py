@@ -14,11 +14,6 @@ def texture(image: Image.Image) -> Texture:
     return Texture(pixels=np.asarray(image.convert("RGBA")).copy())
 
 
-def lettering(height: float) -> ImageFont.ImageFont | ImageFont.FreeTypeFont:
-    """Pillow's own font at `height` pixels."""
-    return ImageFont.load_default(size=height)
-
-
 def noise(size: tuple[int, int], seed: int, octaves: tuple[int, ...]) -> np.ndarray:
     """Smooth noise that tiles, (height, width) float64 of mean 0 and about unit spread.
 
@@ -50,8 +45,9 @@ def checkerboard(size: int, squares: int, one: Rgb, other: Rgb) -> Texture:
 
 
 def centered(draw: ImageDraw.ImageDraw, middle: tuple[float, float], words: str, height: float, color: Rgb) -> None:
-    """Write `words` with their middle at a point."""
-    draw.text(middle, words, font=lettering(height), fill=color, anchor="mm", stroke_width=height / 40)
+    """Write `words` with their middle at a point, in Pillow's own font at `height` pixels."""
+    font = ImageFont.load_default(size=height)
+    draw.text(middle, words, font=font, fill=color, anchor="mm", stroke_width=height / 40)
 
 
 def planks(size: int, rows: int, color: Rgb, seed: int) -> Texture:
@@ -73,9 +69,10 @@ def planks(size: int, rows: int, color: Rgb, seed: int) -> Texture:
     return texture(image)
 
 
-def leaves(size: int = 256, seed: int = 5) -> Texture:
+def leaves() -> Texture:
     """Foliage: many small lit and shaded leaves."""
-    generator = np.random.default_rng(seed)
+    size = 256
+    generator = np.random.default_rng(5)
     image = Image.new("RGB", (size, size), (46, 82, 34))
     draw = ImageDraw.Draw(image)
     for x, y, spread, light in zip(

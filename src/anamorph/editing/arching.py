@@ -123,5 +123,4 @@ def _free(mesh: Mesh) -> bool:
 
 def _local(mesh: Mesh, pose: Pose) -> np.ndarray:
     """The vertices, (V, 3) float64, in a pose's axes."""
-    assert mesh.surface is not None and mesh.parameters is not None
-    return (mesh.surface.position(mesh.parameters) - pose.center) @ pose.axes.T
+    return (mesh.exact_positions() - pose.center) @ pose.axes.T

@@ -66,7 +66,8 @@ def bend_of(mesh: Mesh) -> Bend | None:
         if middle is None:
             low, high = sorted((signed[0] / SWELLING, signed[0] * SWELLING))
             return Bend(signed, (low, high)) if signed[0] else None
-        reach = float(np.linalg.norm(_across(mesh, *middle), axis=1).max())
+        apex, axes = middle
+        reach = float(np.linalg.norm((mesh.exact_positions() - apex) @ axes[:2].T, axis=1).max())
     most = max(map(abs, signed))
     limit = max(min(max(COMFORTABLE / reach, 1.25 * most), STEEPEST / reach), most)
     return Bend(signed, (-limit, limit))
@@ -167,12 +168,6 @@ def _middle(mesh: Mesh) -> tuple[np.ndarray, np.ndarray] | None:
     return mesh.surface.position(at)[0], upright_axes(normal, WORLD_UP)
 
 
-def _across(mesh: Mesh, apex: np.ndarray, axes: np.ndarray) -> np.ndarray:
-    """The vertices, (V, 2) float64, in the plane that touches the mirror's middle."""
-    assert mesh.surface is not None and mesh.parameters is not None
-    return (mesh.surface.position(mesh.parameters) - apex) @ axes[:2].T
-
-
 def _rounded(mesh: Mesh, curvature: float) -> Mesh:
     """A mesh of a plane or a sphere on another one."""
     middle = _middle(mesh)
@@ -181,7 +176,7 @@ def _rounded(mesh: Mesh, curvature: float) -> Mesh:
     if isinstance(mesh.surface, Plane):
         while len(mesh.faces) < LEAST_TRIANGLES:
             mesh = subdivided(mesh, 1)
-    across = _across(mesh, apex, axes)
+    across = (mesh.exact_positions() - apex) @ axes[:2].T
     reach = float(np.linalg.norm(across, axis=1).max())
     if abs(curvature) * reach > STEEPEST:
         raise AnamorphError(
@@ -189,8 +184,7 @@ def _rounded(mesh: Mesh, curvature: float) -> Mesh:
         )
     square = np.sum(across**2, axis=1)
     sag = curvature * square / (1.0 + np.sqrt(1.0 - curvature**2 * square))
-    assert mesh.surface is not None and mesh.parameters is not None
-    before = (mesh.surface.position(mesh.parameters) - apex) @ axes[2]
+    before = (mesh.exact_positions() - apex) @ axes[2]
     apex = apex + rise(before, -sag) * axes[2]
     surface: Surface = round_surface(apex, axes, curvature)
     points = apex + np.column_stack([across, -sag]) @ axes

@@ -197,14 +197,11 @@ def ground(lens: Sequence[Mesh], power: float | None = None, index: float | None
 
 
 def _faces(front: Mesh, back: Mesh, optics: Optics, power: float, index: float) -> tuple[Mesh, Mesh]:
-    assert isinstance(front.surface, Grindable) and back.surface is not None and back.parameters is not None
+    assert isinstance(front.surface, Grindable)
     across, axis, turn = _across(back, optics), optics.axes[2], _prism_turn(optics, index)
     points = optics.vertex + across @ optics.axes[:2]
     above = points + optics.thickness * axis
-    ends = [
-        front.surface.position(drop(front.surface, above, axis)) @ axis,
-        back.surface.position(back.parameters) @ axis,
-    ]
+    ends = [front.surface.position(drop(front.surface, above, axis)) @ axis, back.exact_positions() @ axis]
     wanted = min(LEAST_EDGE, float((ends[0] - ends[1]).min()))
     thickness, reach = optics.thickness, _reach(back, optics)
     for _ in range(30):
@@ -270,8 +267,7 @@ def _prism_turn(optics: Optics, index: float) -> np.ndarray:
 
 def _across(back: Mesh, optics: Optics) -> np.ndarray:
     """Where the back's vertices are across the axis, (V, 2) float64, metres."""
-    assert back.surface is not None and back.parameters is not None
-    return (back.surface.position(back.parameters) - optics.vertex) @ optics.axes[:2].T
+    return (back.exact_positions() - optics.vertex) @ optics.axes[:2].T
 
 
 def _reach(back: Mesh, optics: Optics) -> float:

@@ -142,6 +142,11 @@ class Mesh:
         assert self.surface is not None and self.parameters is not None
         return 1.0 if np.sum(self.surface.normal(self.parameters) * self.normals) > 0.0 else -1.0
 
+    def exact_positions(self) -> np.ndarray:
+        """Where the vertices are on the exact surface, (V, 3) float64, metres."""
+        assert self.surface is not None and self.parameters is not None
+        return self.surface.position(self.parameters)
+
     def moved(self, by: Similarity) -> Mesh:
         """The mesh moved, with its exact surface."""
         surface, parameters = self.surface, self.parameters

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from anamorph.gallery.shapes import lattice
+from anamorph.gallery.solids import lattice
 from anamorph.scene.model import Mesh, Mirror
 from anamorph.scene.triangles import doubled_areas, has_area
 from anamorph.surfaces.bezier import BezierPatch

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from anamorph.frame import Frame
-from anamorph.gallery.shapes import box, grid
+from anamorph.gallery.solids import box, grid
 from anamorph.gallery.textures import checkerboard
 from anamorph.lenses.lens import Lens, lens_between
 from anamorph.lenses.making import make_lens

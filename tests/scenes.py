@@ -8,7 +8,7 @@ import numpy as np
 
 from anamorph.frame import Frame, View
 from anamorph.gallery.flat_mirror import plane_mirror
-from anamorph.gallery.shapes import box, grid, lattice
+from anamorph.gallery.solids import box, grid, lattice
 from anamorph.gallery.textures import checkerboard
 from anamorph.methods import Specification
 from anamorph.methods.session import Session

@@ -14,7 +14,7 @@ from anamorph import gallery
 from anamorph.base.errors import AnamorphError
 from anamorph.base.srgb import decode_srgb
 from anamorph.frame import Status, View
-from anamorph.gallery.shapes import grid
+from anamorph.gallery.solids import grid
 from anamorph.methods import METHODS
 from anamorph.optics.laws import reflect
 from anamorph.optics.reflection import reflected_rays, reflector

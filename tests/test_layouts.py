@@ -23,7 +23,7 @@ from anamorph.methods.trilinear import ray_records
 from anamorph.methods.trilinear.straight import edges
 from anamorph.projection import UNIFORM_BYTES, camera_projection
 from anamorph.rays.caster import Caster
-from anamorph.raytriangle import device, solve
+from anamorph.raytriangle import on_device, solve
 from anamorph.scene.geometry import flatten
 from anamorph.viewer.lines import CANVAS_BYTES, STROKE_FLOATS
 
@@ -38,8 +38,8 @@ RECORDS = [
         {"position": "x", "normal": "normal_x", "texcoord": "u", "color": "color_red_green"},
     ),
     ("gpu", "Object", OBJECT, {"padding": "padding_0"}),
-    ("raytriangle", "RayTriangle", device.RAY_TRIANGLE, {"vectors": "center", "padding": None}),
-    ("raytriangle", "Projections", device.FOUND, {}),
+    ("raytriangle", "RayTriangle", on_device.RAY_TRIANGLE, {"vectors": "center", "padding": None}),
+    ("raytriangle", "Projections", on_device.FOUND, {}),
     ("methods/trilinear", "RayTriangle", ray_records.RAY_TRIANGLE, {}),
     ("methods/trilinear", "Pair", ray_records.PAIR, {"terms": "first", "center": "center_x"}),
     ("methods/trilinear", "Piece", ray_records.PIECE, {"place": "x0"}),

@@ -22,23 +22,14 @@ GLOSSARY = ROOT / "docs" / "glossary.md"
 
 SAME_CLASSES = {
     "Options": "each method has its own, and they are never imported together",
-    "Marks": "the viewer's, and those of vertices",
-    "Shape": "the gallery's, and the straight edges'",
 }
 """Classes of one name, and why they may have it."""
 
 SAME_MODULES = {
-    "cube": "a scene of the gallery, and the environment's cube map",
     "deforming": "a scene of the gallery, and the benchmark that draws it",
-    "device": "the graphics device, and what a ray triangle is on it",
     "errors": "errors that are raised, and errors that are measured",
-    "grid": "cameras on a grid, and the grid of a ray triangle",
-    "marks": "the viewer's, and those of vertices",
     "options": "how a method declares its options, and those of one",
     "opening": "opens files, and is the panel's page for it",
-    "pieces": "those of exact edges, and those of straight edges",
-    "rows": "a ray triangle's numbers, and what its edges sweep",
-    "shapes": "exact surfaces, the gallery's shapes, and those of straight edges",
     "textures": "the gallery's images, and the device's textures",
     "turntable": "the command, and what it calls",
 }

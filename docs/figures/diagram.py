@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 import anamorph as an
-from anamorph.gallery.shapes import Shape, icosphere, join, lattice
+from anamorph.gallery.solids import Solid, icosphere, join, lattice
 from anamorph.projection import Projection
 from anamorph.scene.model import Color
 
@@ -51,7 +51,7 @@ def balls(centers: Sequence[np.ndarray], radius: float, color: Color, name: str)
     """Balls around points, as one diffuse mesh."""
     points, faces = icosphere(3)
     flat = np.zeros((len(points), 2))
-    parts = [Shape(points * radius + center, points, flat, np.ones_like(points), faces) for center in centers]
+    parts = [Solid(points * radius + center, points, flat, np.ones_like(points), faces) for center in centers]
     return join(parts).mesh(name, an.Diffuse(color))
 
 

@@ -31,7 +31,7 @@ def test_srgb_follows_its_standard():
 
 
 @pytest.mark.parametrize("suffix", [suffix for suffix in IMAGES if suffix != ".npy"])
-def test_a_image_comes_back_as_srgb(tmp_path, suffix):
+def test_an_image_comes_back_as_srgb(tmp_path, suffix):
     path = tmp_path / f"a{suffix.upper()}"
     grey = np.full((16, 16, 3), 0.18, np.float32)
     save_image(path, grey)
@@ -108,7 +108,7 @@ def test_arrays_are_saved_as_npy_only(tmp_path):
         save_array(tmp_path / "a.txt", np.arange(3))
 
 
-def test_a_image_that_is_not_finite_is_refused_and_not_written(tmp_path):
+def test_an_image_that_is_not_finite_is_refused_and_not_written(tmp_path):
     with pytest.raises(AnamorphError, match="not finite"):
         save_image(tmp_path / "a.png", np.full((2, 2, 3), np.nan))
     assert not os.listdir(tmp_path)

@@ -64,7 +64,7 @@ def one_line_error(result: subprocess.CompletedProcess[str]) -> str:
     return result.stderr
 
 
-def test_render_writes_a_image_and_what_each_pixel_sees(tmp_path):
+def test_render_writes_an_image_and_what_each_pixel_sees(tmp_path):
     seen = [f"{name}={name}.npy" for name in ("position", "object_id", "specular", "status")]
     arguments = ("render", "car-mirror", "-m", "pervertex", "-o", "a.png", "--size", "160x120", "--seen", *seen)
     assert quiet_success(run(*arguments, directory=tmp_path)) == ""
@@ -351,7 +351,7 @@ def test_render_tells_how_many_of_its_images_are_drawn(tmp_path, monkeypatch):
     assert told == [(n, 4, f"rendering flat-mirror, image {n} of 4") for n in (1, 2, 3, 4)]
 
 
-def test_the_demo_writes_a_page_figures_and_a_image_by_each_method(tmp_path, monkeypatch):
+def test_the_demo_writes_a_page_figures_and_an_image_by_each_method(tmp_path, monkeypatch):
     monkeypatch.setattr(demo, "SIZE", (96, 72))
     comparison = demo.make_demo(tmp_path / "new" / "place", "anamorph demo", lambda done, total, what: None)
     images = {f"car-mirror-{result.name}.png" for result in comparison.methods}
@@ -379,7 +379,7 @@ def test_a_scene_with_glass_is_drawn_by_the_methods_that_can(tmp_path, monkeypat
     assert list(json.loads((tmp_path / "lens.json").read_text())["methods"]) == ["raytrace", "pervertex", "trilinear"]
 
 
-def test_a_image_with_gaps_says_so_and_how_to_fill_them(tmp_path, monkeypatch, capsys):
+def test_an_image_with_gaps_says_so_and_how_to_fill_them(tmp_path, monkeypatch, capsys):
     def told(*method):
         assert cli.main(["render", "spheres", *method, "--size", "64x48", "-o", "a.png"]) == 0
         return capsys.readouterr().err

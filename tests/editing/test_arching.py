@@ -15,7 +15,7 @@ from anamorph import gallery
 from anamorph.base.errors import AnamorphError
 from anamorph.editing.arching import arch_of, arched, arched_surface
 from anamorph.editing.edit import Edit, edit
-from anamorph.gallery.shapes import lattice
+from anamorph.gallery.solids import lattice
 from anamorph.gallery.torus import torus_surface
 from anamorph.measure.compare import measure
 from anamorph.scene.model import Diffuse, Mesh, Mirror

@@ -14,7 +14,7 @@ from anamorph import gallery
 from anamorph.base.errors import AnamorphError
 from anamorph.editing.bending import bend_of, bent
 from anamorph.editing.edit import Edit, edit, lens_of, part_pose
-from anamorph.gallery.shapes import lattice
+from anamorph.gallery.solids import lattice
 from anamorph.measure.compare import measure
 from anamorph.scene.model import Glass, Mesh, Mirror
 from anamorph.scene.parts import part_names, specular_parts

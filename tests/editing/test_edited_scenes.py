@@ -14,7 +14,7 @@ from triangle_soup import brute_force, random_rays
 
 from anamorph import gallery
 from anamorph.frame import Frame
-from anamorph.gallery.shapes import box
+from anamorph.gallery.solids import box
 from anamorph.methods import METHODS
 from anamorph.rays.caster import Caster
 from anamorph.rays.embree import KEPT, EmbreeTriangles, tree_over

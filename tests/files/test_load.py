@@ -126,7 +126,7 @@ def ply(folder: Path) -> Path:
 
 
 @pytest.mark.parametrize("make", [glb, obj, ply, lambda folder: gltf(folder, "square.gltf")])
-def test_a_image_is_the_right_way_up_and_round(tmp_path: Path, make: Any) -> None:
+def test_an_image_is_the_right_way_up_and_round(tmp_path: Path, make: Any) -> None:
     (mesh,) = load_model(make(tmp_path))
     texture = diffuse(mesh).texture
     assert texture is not None and mesh.texcoords is not None

@@ -22,6 +22,7 @@ from anamorph.files.source import FaceChoice, Source
 from anamorph.files.tables import Table
 from anamorph.files.toml import toml_text
 from anamorph.files.view_file import Opened, open_view, save_view
+from anamorph.methods import Specification
 from anamorph.scene.camera import Camera
 from anamorph.scene.model import Scene
 from anamorph.viewer.controls import edited, part_edits, scene_controls
@@ -34,7 +35,9 @@ SIZE = (640, 480)
 coordinates = st.floats(-1e6, 1e6)
 vectors = st.tuples(coordinates, coordinates, coordinates)
 offsets = st.tuples(*[st.floats(0.5, 9.0)] * 3)
-methods = st.sampled_from(("pervertex", "raytrace:bounces=3", "environment:face=64", "trilinear"))
+methods = st.sampled_from(("pervertex", "raytrace:bounces=3", "environment:face=64", "trilinear")).map(
+    Specification.parse
+)
 shares = st.one_of(st.sampled_from((0.0, 1.0)), st.floats(0.0, 1.0))
 
 

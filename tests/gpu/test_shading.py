@@ -13,7 +13,7 @@ from anamorph.base.errors import AnamorphError
 from anamorph.base.srgb import decode_srgb, encode_srgb
 from anamorph.frame import View
 from anamorph.gallery import make
-from anamorph.gallery.shapes import grid
+from anamorph.gallery.solids import grid
 from anamorph.gallery.textures import checkerboard
 from anamorph.gpu.buffers import MOST_LIGHTS
 from anamorph.gpu.device import get_device

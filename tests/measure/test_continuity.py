@@ -10,7 +10,7 @@ import pytest
 from scenes import CAMERA, SIZE, flat_mirror, pixels_of, scene_with, sky_scene, spherical_mirror
 
 from anamorph.frame import View
-from anamorph.gallery.shapes import grid
+from anamorph.gallery.solids import grid
 from anamorph.measure.continuity import border_errors, continuity
 from anamorph.methods.pervertex import Options
 from anamorph.methods.pervertex.pervertex import PerVertexDrawing

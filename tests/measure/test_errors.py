@@ -137,7 +137,7 @@ def test_a_pixel_that_misses_the_mirror_sees_another_object():
     assert errors.other_object_percent == pytest.approx(100.0 * 12 / reference.specular.size)
 
 
-def test_a_image_of_no_mirror_has_no_statistics():
+def test_an_image_of_no_mirror_has_no_statistics():
     reference = plane_truth()
     reference.specular[:] = 0
     errors = measure(reference, reference)

@@ -131,14 +131,14 @@ def test_the_device_s_time_is_that_of_all_parts(monkeypatch: pytest.MonkeyPatch)
         assert recorder.wait() == recorder.wait() == 2.0 * (parts + 1)
 
 
-def test_a_mean_can_be_left_in_the_midst_of_a_image() -> None:
+def test_a_mean_can_be_left_in_the_midst_of_an_image() -> None:
     told = list(averaging(opened("raytrace"), SCENE.camera, 2))
     assert told == sorted(told) and told[-1] == (4, 4)
     assert told.count((0, 4)) >= 1 and set(told) == {(done, 4) for done in range(5)}
 
 
 @pytest.mark.usefixtures("small_steps")
-def test_a_turntable_left_in_the_midst_of_a_image_leaves_nothing_behind(tmp_path: Path) -> None:
+def test_a_turntable_left_in_the_midst_of_an_image_leaves_nothing_behind(tmp_path: Path) -> None:
     saving = turntable(tmp_path / "round", SCENE, Specification.parse("raytrace"), [SCENE.camera] * 3, SIZE)
     told = [step for step, _ in zip(saving, range(12), strict=False)]
     saving.close()

@@ -14,7 +14,7 @@ import pytest
 from scenes import CAMERA, spherical_mirror
 
 from anamorph.base.errors import AnamorphError
-from anamorph.gallery.shapes import grid
+from anamorph.gallery.solids import grid
 from anamorph.methods.registry import GROUP, OWN, Registry
 from anamorph.scene.model import Diffuse, Scene
 

@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from triangle_soup import geometry_of, random_rays, soup
 
-from anamorph.gallery.shapes import lattice
+from anamorph.gallery.solids import lattice
 from anamorph.rays import caster as rays
 from anamorph.rays import embree
 from anamorph.rays.caster import Caster

@@ -18,8 +18,8 @@ import pytest
 from ray_triangles import KINDS, NEARLY, points_for, ray_triangle
 
 from anamorph.base.errors import AnamorphError
-from anamorph.raytriangle import device, project_points
-from anamorph.raytriangle.device import project_points_on_device
+from anamorph.raytriangle import on_device, project_points
+from anamorph.raytriangle.on_device import project_points_on_device
 
 WITHIN = 1e-3 / 800
 PLACED = 1e-4
@@ -178,7 +178,7 @@ def test_many_ray_triangles_are_projected_as_one_by_one_and_in_blocks(monkeypatc
         assert (alone.valid == together.valid[k]).all()
         assert alone.u == pytest.approx(together.u[k], rel=1e-6, abs=1e-6)
     for size in (16, 120):
-        monkeypatch.setattr(device, "BLOCK", size)
+        monkeypatch.setattr(on_device, "BLOCK", size)
         for name, array in vars(project_points_on_device(p, n, points)).items():
             assert (array == getattr(together, name)).all(), name
 

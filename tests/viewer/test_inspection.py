@@ -13,7 +13,7 @@ from anamorph import gallery
 from anamorph.base.errors import AnamorphError
 from anamorph.frame import Frame
 from anamorph.gallery.flat_mirror import plane_mirror
-from anamorph.gallery.shapes import box, grid
+from anamorph.gallery.solids import box, grid
 from anamorph.measure.errors import measure
 from anamorph.scene.camera import Camera
 from anamorph.scene.model import Diffuse, Glass, Scene

@@ -108,7 +108,7 @@ def test_a_half_is_told_in_figures() -> None:
     assert figures.status_percent == pytest.approx({"traced": 75.0, "outside": 25.0})
 
 
-def test_a_image_without_mirrors_has_layers_and_no_figures() -> None:
+def test_an_image_without_mirrors_has_layers_and_no_figures() -> None:
     reference = plane_truth()
     reference.specular[:] = 0
     measured = measure_half(reference, reference)

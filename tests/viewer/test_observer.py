@@ -9,7 +9,7 @@ import pytest
 from scenes import CAMERA, flat_mirror
 
 from anamorph import gallery
-from anamorph.gallery.shapes import box
+from anamorph.gallery.solids import box
 from anamorph.rays.caster import Caster
 from anamorph.scene.geometry import flatten
 from anamorph.scene.model import Diffuse, Scene

@@ -55,7 +55,7 @@ def test_any_name_of_a_scene_makes_a_plain_one(stem):
     assert not set(name) & set('/\\:*?"<>|\0\n ')
 
 
-def test_a_image_is_saved_as_it_is_shown(tmp_path):
+def test_an_image_is_saved_as_it_is_shown(tmp_path):
     linear = np.linspace(0.0, 1.0, 4 * 5 * 3, dtype=np.float32).reshape(4, 5, 3)
     shown = np.round(255 * encode_srgb(linear)).astype(np.uint8)
     for name, color in (("shown.png", shown), ("turned.png", shown[::-1][::-1])):

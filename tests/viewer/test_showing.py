@@ -118,7 +118,7 @@ def test_no_image_vanishes(width: int, height: int, scale: float) -> None:
 
 
 @pytest.mark.parametrize("samples", [1, 2, 3, 4, 8])
-def test_shifts_are_those_of_a_image_with_samples_and_each_beginning_is_balanced(samples: int) -> None:
+def test_shifts_are_those_of_an_image_with_samples_and_each_beginning_is_balanced(samples: int) -> None:
     steps = (np.arange(samples) + 0.5) / samples - 0.5
     wanted = {(round(x, 9), round(y, 9)) for x in steps for y in steps} if samples > 1 else set()
     found = shifts(samples)
@@ -160,7 +160,7 @@ def test_a_coarse_image_is_blended_and_a_false_color_image_is_not() -> None:
     assert (colors[:, :8] == (1, 0, 0)).all() and (colors[:, 8:] == (0, 0, 1)).all()
 
 
-def test_a_half_without_a_image_is_black() -> None:
+def test_a_half_without_an_image_is_black() -> None:
     white = Shown(linear_texture(np.ones((4, 4, 3))))
     canvas = composed((Shown(), white), (4, 4), 0.5)
     assert not canvas[:, :2].any() and (canvas[:, 2:] > 0.99).all()
@@ -329,7 +329,7 @@ def test_what_fails_finely_is_shown_coarsely_and_not_tried_again(scene, monkeypa
     assert showing.failures == ()
 
 
-def test_a_image_that_takes_long_comes_by_steps(scene, monkeypatch) -> None:
+def test_an_image_that_takes_long_comes_by_steps(scene, monkeypatch) -> None:
     monkeypatch.setattr("anamorph.viewer.showing.LONG", 1.0)
     sizes = drawn_by(monkeypatch, seconds=0.002)
     showing = Showing()
@@ -388,7 +388,7 @@ def test_a_slow_image_is_drawn_over_several_frames_and_shown_when_it_is_done(sce
     assert not showing.update(scene, other, SIZE)
 
 
-def test_a_image_under_way_is_finished_and_then_the_newest_state_is_drawn(scene, stepped) -> None:
+def test_an_image_under_way_is_finished_and_then_the_newest_state_is_drawn(scene, stepped) -> None:
     showing = Showing()
     for degrees in (30.0, 31.0, 32.0):
         assert showing.update(scene, from_angle(degrees), SIZE)
@@ -477,7 +477,7 @@ def test_rest_finishes_what_is_under_way_first(scene, stepped) -> None:
 
 
 @pytest.mark.parametrize("method", ["raytrace", "trilinear"])
-def test_at_rest_a_image_in_steps_is_that_of_render(method: str, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_at_rest_an_image_in_steps_is_that_of_render(method: str, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("anamorph.viewer.showing.FRAME", 0.0)
     mirrors = make("facing-mirrors")
     showing = Showing()

@@ -11,7 +11,7 @@ from scenes import CAMERA, CENTER, SIZE, flat_mirror, scene_with, sky_scene, sph
 from anamorph import gallery
 from anamorph.base.steps import drain
 from anamorph.gallery.flat_mirror import plane_mirror
-from anamorph.gallery.shapes import box
+from anamorph.gallery.solids import box
 from anamorph.methods import Specification
 from anamorph.methods.pervertex import Options, seen_bodies
 from anamorph.methods.tracing import PathTracer

@@ -1,5 +1,5 @@
 // A cube map looked up where the reflected ray meets the box around the scene, as seen from the map's centre.
-// needs: methods/environment/cube.wgsl
+// needs: methods/environment/cube_map.wgsl
 
 struct Box {
     // Its lowest and highest corner, and the cube map's centre.

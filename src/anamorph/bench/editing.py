@@ -16,7 +16,7 @@ from rich.text import Text
 from anamorph import gallery
 from anamorph.base.progress import Report
 from anamorph.frame import View
-from anamorph.gallery.shapes import lattice
+from anamorph.gallery.solids import lattice
 from anamorph.gpu.device import adapter_name
 from anamorph.measure.figures import number
 from anamorph.measure.table import headed

@@ -6,7 +6,7 @@ import numpy as np
 
 from anamorph.base.errors import AnamorphError
 from anamorph.base.vectors import Vector
-from anamorph.gallery.shapes import lattice
+from anamorph.gallery.solids import lattice
 from anamorph.scene.camera import Camera
 from anamorph.scene.model import Diffuse, Mesh, Mirror, Scene, Texture
 from anamorph.scene.pose import WORLD_UP, upright_axes

@@ -13,7 +13,7 @@ from itertools import pairwise
 import numpy as np
 from scipy.spatial import Delaunay, KDTree
 
-from anamorph.gallery.shapes import lattice
+from anamorph.gallery.solids import lattice
 from anamorph.surfaces.bsplines import basis
 from anamorph.surfaces.nurbs import NurbsSurface
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from anamorph.gallery.shapes import Shape, box, creased, grid, join, lathe, lattice
+from anamorph.gallery.solids import Solid, box, creased, grid, join, lathe, lattice
 from anamorph.scene.model import Color
 
 HALF_WIDTH = 0.88
@@ -56,7 +56,7 @@ def section(station: np.ndarray) -> np.ndarray:
     )
 
 
-def body(paint: Color, driven: bool) -> Shape:
+def body(paint: Color, driven: bool) -> Solid:
     """The painted shell with its windows; where it is `driven` from, the windscreen and the front windows are open."""
     half = np.array([section(station) for station in STATIONS])
     count, size = half.shape[:2]
@@ -84,7 +84,7 @@ def body(paint: Color, driven: bool) -> Shape:
     return creased(skin.reshape(-1, 3), faces[seen], 32.0, colors=colors[seen])
 
 
-def wheel(fine: bool) -> Shape:
+def wheel(fine: bool) -> Solid:
     """A wheel whose axle is the x axis, its outer side at x = 0."""
     segments = 24 if fine else 10
     tread = [(WHEEL_RADIUS, -0.17), (WHEEL_RADIUS, -0.02), (0.22, 0.0)]
@@ -99,13 +99,13 @@ def wheel(fine: bool) -> Shape:
     return join(parts).turned(-90.0, axis=2)
 
 
-def arch(side: int, z: float, fine: bool) -> Shape:
+def arch(side: int, z: float, fine: bool) -> Solid:
     """The dark of a wheel arch: a disc just outside the body's flat side."""
     disc = lathe([(0.39, 0.006), (0.0, 0.006)], 32 if fine else 14).painted((0.012, 0.012, 0.014))
     return disc.turned(-90.0 * side, axis=2).moved(side * HALF_WIDTH, WHEEL_RADIUS, z)
 
 
-def lamps() -> list[Shape]:
+def lamps() -> list[Solid]:
     """Grille, head lamps and rear lamps."""
     parts = [
         box((-0.40, 0.38, -2.20), (0.40, 0.54, -2.10), "+x-x+y-z").painted((0.02, 0.02, 0.022)),
@@ -121,14 +121,14 @@ def lamps() -> list[Shape]:
     return parts
 
 
-def handles() -> list[Shape]:
+def handles() -> list[Solid]:
     """The handles of the four doors."""
     out = HALF_WIDTH + 0.004
     places = [(side * out, z) for side in (-1, 1) for z in (0.0, 0.9)]
     return [box((x - 0.014, 0.72, z - 0.09), (x + 0.014, 0.745, z + 0.09)).painted(TRIM) for x, z in places]
 
 
-def saloon(paint: Color, own: bool = False) -> Shape:
+def saloon(paint: Color, own: bool = False) -> Solid:
     """A whole car on its wheels, its nose to -z, its middle over the origin.
 
     One's own car is finer, and open where its driver looks out.
@@ -146,7 +146,7 @@ def saloon(paint: Color, own: bool = False) -> Shape:
     return join(parts)
 
 
-def number_plates(index: int) -> Shape:
+def number_plates(index: int) -> Solid:
     """The plates in front and behind: number `index` of the plates' texture."""
     part = (0.0, index / 4, 1.0, (index + 1) / 4)
     front = grid((0.26, 0.30, -2.225), (-0.52, 0, 0), (0, 0.13, 0), image=part)

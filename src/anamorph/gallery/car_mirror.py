@@ -11,7 +11,7 @@ import numpy as np
 from anamorph.base.vectors import Vector
 from anamorph.gallery import town_textures as wear
 from anamorph.gallery.car import CABIN, HALF_WIDTH, PILLAR, STATIONS, saloon
-from anamorph.gallery.shapes import Shape, lattice, loft
+from anamorph.gallery.solids import Solid, lattice, loft
 from anamorph.gallery.town import car_shade, cars, ground, houses, lamps, trees
 from anamorph.scene.camera import Camera
 from anamorph.scene.model import AmbientLight, Diffuse, DirectionalLight, Mesh, Mirror, Scene, Sky
@@ -93,7 +93,7 @@ def rounded_rectangle(half_width: float, half_height: float, corner: float, arc:
     return np.concatenate(arcs)
 
 
-def housing(sphere: Sphere) -> Shape:
+def housing(sphere: Sphere) -> Solid:
     """A dark frame whose bevelled inner edge lies just before the border of the glass, and the shell behind it.
 
     The bevel leans outward by more than the widest reflected ray, as on a real mirror: the glass does not show it.
@@ -115,7 +115,7 @@ def housing(sphere: Sphere) -> Shape:
     return loft(np.stack(outline), crease=50.0).painted(PLASTIC)
 
 
-def foot(sphere: Sphere) -> Shape:
+def foot(sphere: Sphere) -> Solid:
     """The arm from the housing to the door."""
     angle = np.linspace(0, 2 * np.pi, 14, endpoint=False)
     start = np.add(MIRROR, (0.03, -0.045, -0.055))
@@ -127,7 +127,7 @@ def foot(sphere: Sphere) -> Shape:
     return loft(np.stack(rings)).painted(PLASTIC)
 
 
-def door_top() -> Shape:
+def door_top() -> Solid:
     """The rubber strip along the lower edge of the driver's window."""
     first, last = CABIN[0], PILLAR
     along = STATIONS[first : last + 1]

@@ -16,7 +16,7 @@ from anamorph.base.vectors import Vector
 from anamorph.gallery import town_textures as wear
 from anamorph.gallery.car import STATIONS, number_plates, saloon, section
 from anamorph.gallery.car_mirror import LIGHTS, PLASTIC, SKY, car_mirror, foot, glass, housing, mirror_sphere
-from anamorph.gallery.shapes import join, lattice
+from anamorph.gallery.solids import join, lattice
 from anamorph.gallery.town import car_shade
 from anamorph.scene.model import Color, Diffuse, Mesh, Mirror, Scene
 from anamorph.surfaces.toroid import Toroid

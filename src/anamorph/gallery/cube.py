@@ -12,7 +12,7 @@ from functools import cache
 import numpy as np
 from PIL import Image, ImageDraw
 
-from anamorph.gallery.shapes import grid, six_sided
+from anamorph.gallery.solids import grid, six_sided
 from anamorph.gallery.textures import Rgb, centered, checkerboard, texture
 from anamorph.scene.camera import Camera
 from anamorph.scene.model import AmbientLight, Diffuse, DirectionalLight, Mesh, Scene, Sky, Texture

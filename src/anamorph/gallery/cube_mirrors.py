@@ -11,7 +11,7 @@ import numpy as np
 
 from anamorph.base.errors import AnamorphError
 from anamorph.gallery.cube import LIGHTS, cube_and_board
-from anamorph.gallery.shapes import lattice
+from anamorph.gallery.solids import lattice
 from anamorph.scene.camera import Camera
 from anamorph.scene.model import Mesh, Mirror, Scene, Sky
 from anamorph.surfaces.sphere import Sphere

@@ -17,7 +17,7 @@ from anamorph.base.vectors import Vector
 from anamorph.gallery import room
 from anamorph.gallery.dice import die, letters
 from anamorph.gallery.mounts import bezel
-from anamorph.gallery.shapes import box, grid, join, lathe, lattice
+from anamorph.gallery.solids import box, grid, join, lathe, lattice
 from anamorph.gallery.textures import centered, planks, texture
 from anamorph.scene.camera import Camera
 from anamorph.scene.model import (

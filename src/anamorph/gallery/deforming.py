@@ -9,7 +9,7 @@ from functools import cache
 import numpy as np
 from PIL import Image, ImageDraw
 
-from anamorph.gallery.shapes import Shape, cylinder, globe, grid, join, lattice
+from anamorph.gallery.solids import Solid, cylinder, globe, grid, join, lattice
 from anamorph.gallery.swell import deform
 from anamorph.gallery.textures import Rgb, mottled, texture
 from anamorph.scene.camera import Camera
@@ -129,7 +129,7 @@ def _sea() -> tuple[Mesh, np.ndarray]:
     radius, turn = _polar(FINEST * np.sinh(steps), sectors)
     x, z = radius * np.cos(turn), -radius * np.sin(turn)
     water = Diffuse(color=(1, 1, 1), texture=texture(mottled((512, 512), (26, 98, 112), 17, (5, 16, 48), 9.0)))
-    shape = Shape(
+    shape = Solid(
         positions=np.stack([x, np.zeros_like(x), z], axis=-1),
         normals=np.tile([0.0, 1.0, 0.0], (len(x), 1)),
         texcoords=np.stack([x, z], axis=-1) / 7.0,
@@ -163,12 +163,12 @@ def _balls() -> list[tuple[Mesh, np.ndarray]]:
     unit = Sphere(center=np.zeros(3), radius=1.0).position(angles)
     texcoords = np.stack([angles[:, 0] / (2.0 * np.pi) + 0.5, 0.5 - angles[:, 1] / np.pi], axis=-1)
     generator = np.random.default_rng(3)
-    groups: list[list[Shape]] = [[], [], []]
+    groups: list[list[Solid]] = [[], [], []]
     for number, (x, z) in enumerate(_places(26, (2.6, 26.0), 2.1)):
         flies = number % 2 == 1
         size = generator.uniform(0.32, 0.5) * (1.5 if flies else 1.0)
         height = generator.uniform(1.4, 3.0) + 0.22 * np.hypot(x, z) if flies else 0.4 * size
-        ball = Shape(unit * size, unit, texcoords, np.ones_like(unit), faces)
+        ball = Solid(unit * size, unit, texcoords, np.ones_like(unit), faces)
         turned = ball.turned(generator.uniform(0, 70), 2).turned(generator.uniform(0, 360))
         groups[number % 3].append(turned.moved(x, height, z))
     found = []

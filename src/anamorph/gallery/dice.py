@@ -6,12 +6,12 @@ from functools import cache
 
 from PIL import Image, ImageDraw
 
-from anamorph.gallery.shapes import Shape, six_sided
+from anamorph.gallery.solids import Solid, six_sided
 from anamorph.gallery.textures import centered, texture
 from anamorph.scene.model import Texture
 
 
-def die(edge: float) -> Shape:
+def die(edge: float) -> Solid:
     """A cube that stands on the origin with a letter on each side."""
     return six_sided((-edge / 2, 0.0, -edge / 2), (edge / 2, edge, edge / 2))
 

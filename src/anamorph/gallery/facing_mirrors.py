@@ -13,7 +13,7 @@ from anamorph.gallery import room
 from anamorph.gallery.dice import die, letters
 from anamorph.gallery.flat_mirror import plane_mirror
 from anamorph.gallery.mounts import bezel, turned_axes
-from anamorph.gallery.shapes import Shape, box, join, lathe
+from anamorph.gallery.solids import Solid, box, join, lathe
 from anamorph.scene.camera import Camera
 from anamorph.scene.model import AmbientLight, Diffuse, DirectionalLight, Mesh, PointLight, Scene
 
@@ -59,7 +59,7 @@ def things() -> list[Mesh]:
     stool = stool.painted((0.45, 0.27, 0.12))
     latitude = np.radians(np.linspace(-90, 90, 17))
     ball = lathe([(0.16 * np.cos(v), 0.16 * (1 + np.sin(v))) for v in latitude], 32, 60.0).painted((0.75, 0.20, 0.05))
-    tower: list[Shape] = []
+    tower: list[Solid] = []
     height = 0.0
     for edge, turn in ((0.26, 20.0), (0.20, -12.0), (0.15, 35.0)):
         tower.append(die(edge).turned(turn).moved(-0.55, height, -0.45))

@@ -9,7 +9,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from anamorph.gallery.shapes import Rectangle, Shape, box, grid, lattice, loft
+from anamorph.gallery.solids import Rectangle, Solid, box, grid, lattice, loft
 from anamorph.gallery.textures import checkerboard, mottled, texture
 from anamorph.scene.camera import Camera
 from anamorph.scene.model import AmbientLight, Color, Diffuse, DirectionalLight, Mesh, Mirror, Scene, Sky
@@ -77,7 +77,7 @@ def rings(*stations: tuple[Rectangle, float]) -> np.ndarray:
     )
 
 
-def block(size: tuple[float, float, float], color: Color) -> Shape:
+def block(size: tuple[float, float, float], color: Color) -> Solid:
     """A coloured box that stands on the origin; its six sides differ a little, so that a reversed image shows."""
     x, y, z = size
     shape = box((-x / 2, 0.0, -z / 2), (x / 2, y, z / 2)).painted(color)

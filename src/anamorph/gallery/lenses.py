@@ -12,7 +12,7 @@ import numpy as np
 
 from anamorph.gallery import room
 from anamorph.gallery.car_mirror import LIGHTS, SKY
-from anamorph.gallery.shapes import Shape, cylinder, join, lathe
+from anamorph.gallery.solids import Solid, cylinder, join, lathe
 from anamorph.gallery.town import town
 from anamorph.lenses.lens import Lens, lens_between
 from anamorph.lenses.making import lens_axes, worn_lens
@@ -106,7 +106,7 @@ def like_curvature(power: float, index: float, thickness: float) -> float:
     return float((1.0 - np.sqrt(1.0 - power * reduced)) / reduced / (index - 1.0))
 
 
-def rim(lens: Lens, outward: tuple[float, float, float], wire: float) -> Shape:
+def rim(lens: Lens, outward: tuple[float, float, float], wire: float) -> Solid:
     """A band of metal, `wire` metres thick, around the edge of a lens."""
     axes = lens_axes(outward)
     middle = _middle(lens)
@@ -119,7 +119,7 @@ def rim(lens: Lens, outward: tuple[float, float, float], wire: float) -> Shape:
     return placed(band, middle, axes[[0, 2, 1]] * [[1], [1], [-1]])
 
 
-def placed(shape: Shape, origin: np.ndarray, axes: np.ndarray) -> Shape:
+def placed(shape: Solid, origin: np.ndarray, axes: np.ndarray) -> Solid:
     """A shape's own x, y and z along the rows of `axes`, from `origin`."""
     return replace(shape, positions=shape.positions @ axes + origin, normals=shape.normals @ axes)
 

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 
-from anamorph.gallery.shapes import Shape, loft
+from anamorph.gallery.solids import Solid, loft
 from anamorph.scene.model import Mesh
 from anamorph.scene.pose import WORLD_UP, upright_axes
 
 
-def bezel(mirror: Mesh, rows: int, columns: int, width: float, depth: float, closed: bool = False) -> Shape:
+def bezel(mirror: Mesh, rows: int, columns: int, width: float, depth: float, closed: bool = False) -> Solid:
     """A frame `width` metres wide around a mirror, which shows nothing of it, and reaches `depth` behind it.
 
     Parameters

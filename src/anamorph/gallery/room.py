@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from PIL import Image, ImageDraw
 
-from anamorph.gallery.shapes import Shape, box, grid, join, lathe
+from anamorph.gallery.solids import Solid, box, grid, join, lathe
 from anamorph.gallery.teapot import teapot
 from anamorph.gallery.textures import Rgb, centered, checkerboard, mottled, noise, planks, texture
 from anamorph.scene.camera import Camera
@@ -191,7 +191,7 @@ def shelf() -> list[Mesh]:
     z = -DEPTH / 2
     boards = [box((-1.5, y, z), (0.1, y + 0.03, z + 0.24)) for y in (1.02, 1.42)]
     generator = np.random.default_rng(45)
-    books: list[Shape] = []
+    books: list[Solid] = []
     for base in (1.05, 1.45):
         x, number = -1.46, 0
         while x < -0.05:

@@ -13,7 +13,7 @@ from anamorph.base.vectors import Vector
 from anamorph.gallery import town
 from anamorph.gallery.car_mirror import LIGHTS, SKY
 from anamorph.gallery.mounts import bezel, turned_axes
-from anamorph.gallery.shapes import cylinder, join, lathe, lattice
+from anamorph.gallery.solids import cylinder, join, lathe, lattice
 from anamorph.scene.camera import Camera
 from anamorph.scene.model import Color, Diffuse, Mesh, Mirror, Scene
 from anamorph.surfaces.toroid import Toroid

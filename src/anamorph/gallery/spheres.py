@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from anamorph.gallery.flat_mirror import plane_mirror
-from anamorph.gallery.shapes import ball, globe, grid
+from anamorph.gallery.solids import ball, globe, grid
 from anamorph.gallery.textures import checkerboard
 from anamorph.scene.camera import Camera
 from anamorph.scene.model import AmbientLight, Color, Diffuse, DirectionalLight, Mesh, Mirror, Scene, Sky

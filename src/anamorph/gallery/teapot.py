@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from anamorph.gallery.shapes import lattice
+from anamorph.gallery.solids import lattice
 from anamorph.scene.model import Material, Mesh
 from anamorph.surfaces.bezier import BezierPatch
 

@@ -12,7 +12,7 @@ import numpy as np
 from anamorph.base.vectors import Vector
 from anamorph.gallery.dice import die, letters
 from anamorph.gallery.mounts import turned_axes
-from anamorph.gallery.shapes import ball, cylinder, grid, join, lathe, lattice
+from anamorph.gallery.solids import ball, cylinder, grid, join, lathe, lattice
 from anamorph.gallery.textures import checkerboard
 from anamorph.scene.camera import Camera
 from anamorph.scene.model import AmbientLight, Color, Diffuse, DirectionalLight, Mesh, Mirror, Scene, Sky

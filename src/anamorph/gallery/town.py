@@ -6,7 +6,7 @@ import numpy as np
 
 from anamorph.gallery import town_textures as wear
 from anamorph.gallery.car import number_plates, saloon
-from anamorph.gallery.shapes import Shape, box, creased, cylinder, grid, icosphere, join, lathe, lattice
+from anamorph.gallery.solids import Solid, box, creased, cylinder, grid, icosphere, join, lathe, lattice
 from anamorph.gallery.textures import leaves
 from anamorph.scene.model import Color, Diffuse, Mesh
 
@@ -42,21 +42,21 @@ def town() -> list[Mesh]:
     return [*ground(), *houses(), *trees(), *lamps(), *cars()]
 
 
-def road_piece(start: float, end: float) -> Shape:
+def road_piece(start: float, end: float) -> Solid:
     """The road between two z, its texture fixed to the world."""
     image = (0.0, start / wear.ROAD_TILE, 1.0, end / wear.ROAD_TILE)
     rows = max(1, round((end - start) / wear.ROAD_TILE))
     return grid((-KERB, 0, end), (wear.ROAD_WIDTH, 0, 0), (0, 0, start - end), (2, rows), image)
 
 
-def shade(middle: tuple[float, float, float], half_width: float, half_length: float, tile: Tile) -> Shape:
+def shade(middle: tuple[float, float, float], half_width: float, half_length: float, tile: Tile) -> Solid:
     """A dark patch with soft borders, a little above a ground and of its texture: the sunless place below a thing."""
     across, along = (np.array([-h - 0.25, -h + 0.15, h - 0.15, h + 0.25]) for h in (half_width, half_length))
     x, z = np.meshgrid(across, along[::-1])
     inside = (np.abs(x) < half_width) & (np.abs(z) < half_length)
     positions = np.stack([x.ravel(), np.zeros(16), z.ravel()], axis=-1) + middle
     offset, wide, long = tile
-    return Shape(
+    return Solid(
         positions=positions,
         normals=np.tile((0.0, 1.0, 0.0), (16, 1)),
         texcoords=np.stack([(positions[:, 0] + offset) / wide, positions[:, 2] / long], axis=-1),
@@ -135,7 +135,7 @@ def houses() -> list[Mesh]:
             style = styles[(number * 3 + seam + int(generator.integers(2))) % len(styles)]
             width = modules * MODULE
 
-            def placed(shape: Shape, z: float = z, width: float = width, side: int = side) -> Shape:
+            def placed(shape: Solid, z: float = z, width: float = width, side: int = side) -> Solid:
                 if side < 0:
                     return shape.turned(90.0).moved(-HOUSES, 0, z + width)
                 return shape.turned(-90.0).moved(HOUSES, 0, z)
@@ -152,7 +152,7 @@ def houses() -> list[Mesh]:
     return meshes
 
 
-def walls(modules: int, storeys: int) -> Shape:
+def walls(modules: int, storeys: int) -> Solid:
     """The upper storeys of a house whose front faces +z, from x = 0, with its ledges, sides, back and gables."""
     width, depth, foot = modules * MODULE, 10.0, PAVEMENT_HEIGHT + SHOP_HEIGHT
     top = foot + storeys * STOREY
@@ -172,7 +172,7 @@ def walls(modules: int, storeys: int) -> Shape:
     return join(parts)
 
 
-def shop_row(modules: int, first: int) -> Shape:
+def shop_row(modules: int, first: int) -> Solid:
     """Shop fronts from the atlas, one a module, on the foot of a house."""
     parts = []
     for i in range(modules):
@@ -185,7 +185,7 @@ def shop_row(modules: int, first: int) -> Shape:
     return join(parts)
 
 
-def roof(modules: int, storeys: int) -> Shape:
+def roof(modules: int, storeys: int) -> Solid:
     """Two slopes over a house; the one to the street stands out beyond its ledge."""
     width, depth, eaves, rise = modules * MODULE, 10.0, 0.4, 3.0
     top = PAVEMENT_HEIGHT + SHOP_HEIGHT + storeys * STOREY + 0.005
@@ -196,7 +196,7 @@ def roof(modules: int, storeys: int) -> Shape:
     return join([front, back])
 
 
-def sign(cell: int) -> Shape:
+def sign(cell: int) -> Solid:
     """A board of 1.8 m by 0.9 m that stands out from a front, to be read along the street."""
     left, top = cell % 2 / 2, cell // 2 / 4
     image = (left, top, left + 0.5, top + 0.25)
@@ -254,7 +254,7 @@ def lamps() -> list[Mesh]:
     return meshes
 
 
-def car_shade(x: float, z: float) -> Shape:
+def car_shade(x: float, z: float) -> Solid:
     """The shade below a car on the road; near the kerb it ends there."""
     return shade((x, 0.008, z), min(0.88, KERB - 0.26 - abs(x)), 2.15, ROAD_TILE)
 

@@ -12,7 +12,7 @@ The thesis's parametric triangle at t is the one between the points p + t n.
 | 3.3 | all real roots of a cubic of any degree | `roots` |
 | 3.1 to 3.5, 3.8 | all rays that pass through a point | `solve` |
 | | through many points, on all the cores | `points`: `project_points` |
-| 3.6 | the same on the graphics device, not imported here | `device`: `project_points_on_device` |
+| 3.6 | the same on the graphics device, not imported here | `on_device`: `project_points_on_device` |
 | 3.7 | which points no ray meets | `sides`: `side_surfaces` |
 | 3.7 | which boxes no ray meets | `boxes`: `bounding_planes` |
 """

@@ -1,6 +1,6 @@
 """Points projected into ray triangles: the up to three places at which each is seen, many at once, on all the cores.
 
-In float32 the same steps hold (`device`) if the scaled rays are made in float64, and rays, point and all of the
+In float32 the same steps hold (`on_device`) if the scaled rays are made in float64, and rays, point and all of the
 polishing are sums of two floats. With floats alone, rays across 800 pixels are off by 4e-5 pixels at the median, by
 2e-3 at the 99th percentile, and by a third of a pixel at caustics. Neighbouring triangles have units of their own, and
 do not get the same bits at a shared edge: what must not crack decides inside or outside by the ray and not by these

@@ -13,11 +13,11 @@ from scenes import CAMERA, CENTER, SIZE, drawn, flat_mirror, open_view, scene_wi
 from anamorph import gallery
 from anamorph.base.errors import AnamorphError
 from anamorph.frame import Status
-from anamorph.gallery.shapes import icosphere
+from anamorph.gallery.solids import icosphere
 from anamorph.gpu import targets
 from anamorph.measure.errors import measure, silhouettes
-from anamorph.methods.environment import cube
-from anamorph.methods.environment.cube import FACES, cube_projections
+from anamorph.methods.environment import cube_map
+from anamorph.methods.environment.cube_map import FACES, cube_projections
 from anamorph.methods.environment.environment import faces_needed
 from anamorph.optics.ray_meshes import bodies_of
 from anamorph.optics.reflection import reflected_rays, reflector
@@ -183,9 +183,9 @@ def test_cube_faces_share_their_depth_buffer_and_make_their_depths_on_first_use(
         made.append(form)
         return targets.make_texture(size, form, *arguments, **named)
 
-    monkeypatch.setattr(cube, "make_texture", counted)
-    monkeypatch.setattr(cube, "stand_in", lambda: targets.make_texture((1, 1), "rgba32float"))
-    made_now = cube.CubeMap(np.zeros(3), 8, 0.1)
+    monkeypatch.setattr(cube_map, "make_texture", counted)
+    monkeypatch.setattr(cube_map, "stand_in", lambda: targets.make_texture((1, 1), "rgba32float"))
+    made_now = cube_map.CubeMap(np.zeros(3), 8, 0.1)
     assert sorted(made) == ["depth32float", "rgba16float"]
     assert len({id(face.textures[0]) for face in made_now.colors}) == 1
     assert {id(face.textures[0]) for face in made_now.depths} == {id(made_now.depths[3].textures[0])}
@@ -210,8 +210,8 @@ def test_drawn_once_has_all_faces_for_an_eye_that_moves_later():
 
 @pytest.mark.parametrize(("update", "frames_with_maps"), [("once", 1), ("always", 3)])
 def test_a_static_map_is_drawn_in_the_first_frame_alone(update, frames_with_maps, monkeypatch):
-    calls, counts, draw_color = [], [0], cube.CubeMap.draw_color
-    monkeypatch.setattr(cube.CubeMap, "draw_color", lambda *given: (calls.extend(given[-1]), draw_color(*given))[1])
+    calls, counts, draw_color = [], [0], cube_map.CubeMap.draw_color
+    monkeypatch.setattr(cube_map.CubeMap, "draw_color", lambda *given: (calls.extend(given[-1]), draw_color(*given))[1])
     session = open_view(scene_with(spherical_mirror()), f"environment:update={update},face=64")
     for _ in range(3):
         session.draw(CAMERA)

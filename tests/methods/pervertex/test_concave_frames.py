@@ -88,7 +88,7 @@ def test_aligned_maps_use_more_of_their_area_and_are_no_less_exact(specification
     for align in ("true", "false"):
         session = open_view(scene, f"{specification}{',' if ':' in specification else ':'}align={align}", SIZE)
         session.draw(scene.camera)
-        plans = [seen.plans for seen in session.diagnostics()["image"].seen]
+        plans = [seen.plans for seen in session.diagnostics()["seen"].seen]
         used.append([np.mean([plan.used for plan in each]) for each in plans])
         errors.append(measure(reference, session.frame(seen=True)))
     (saddle, cylinder), (saddle_before, cylinder_before) = used

@@ -13,7 +13,7 @@ from scenes import CENTER, SIZE, drawn, open_view, scene_with, sky_scene, spheri
 from anamorph.base.errors import AnamorphError
 from anamorph.frame import Status
 from anamorph.gallery import make
-from anamorph.gallery.shapes import box
+from anamorph.gallery.solids import box
 from anamorph.gallery.spheres import mirror_ball
 from anamorph.measure.angles import angles_between
 from anamorph.measure.errors import measure
@@ -253,7 +253,7 @@ def test_a_wide_body_has_one_draw_and_a_map_for_each_face_that_it_needs():
     session = open_view(WIDE, "pervertex:wide=cube")
     session.draw(WIDE.camera)
     held = session.diagnostics()
-    (draw,), (level,) = held["image"].draws, held["levels"]
+    (draw,), (level,) = held["seen"].draws, held["levels"]
     assert draw.cube and draw.sides == 1
     assert len(level.views) == len(PLANS["ball"][2].cube)
     assert all(view.sky for view in level.views)
@@ -268,12 +268,12 @@ def test_where_a_tolerance_is_set_a_vertex_that_sees_its_own_body_has_no_place()
     assert plan_of(WIDE, tolerance=0.5)[2].lookups[0][:, 3].all()
 
 
-def test_wide_and_narrow_bodies_share_a_image():
+def test_wide_and_narrow_bodies_share_an_image():
     session = open_view(
         scene_with(spherical_mirror(), mirror_ball("ball", (0.0, 0.7, -0.4), 0.15, 12, 16)), "pervertex:wide=cube"
     )
     session.draw(WIDE.camera)
-    assert {draw.cube for draw in session.diagnostics()["image"].draws} == {False, True}
+    assert {draw.cube for draw in session.diagnostics()["seen"].draws} == {False, True}
 
 
 def test_a_cube_map_shows_mirrors_in_mirrors():

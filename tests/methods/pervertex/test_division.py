@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from plans import planned
 from scenes import CAMERA, CENTER, SIZE, flat_mirror, scene_with, spherical_mirror
 
-from anamorph.gallery.shapes import box, icosphere
+from anamorph.gallery.solids import box, icosphere
 from anamorph.methods.pervertex.division import MOST_PATCHES, divide, longest_extent, seen_faces
 from anamorph.optics.reflection import reflected_rays, reflector
 from anamorph.raymesh import RayMesh, RayStatus

@@ -26,7 +26,7 @@ from anamorph.base.errors import AnamorphError
 from anamorph.frame import Status, View
 from anamorph.gallery import make
 from anamorph.gallery.flat_mirror import plane_mirror
-from anamorph.gallery.shapes import box, globe, join, lattice
+from anamorph.gallery.solids import box, globe, join, lattice
 from anamorph.gpu.device import get_device
 from anamorph.measure.errors import measure, silhouettes
 from anamorph.methods.pervertex import Options, pervertex
@@ -60,7 +60,7 @@ def test_the_device_gets_the_plans_lookups_and_projection_in_single_precision(mo
     held = drawing.diagnostics()
     (level,) = held["levels"]
     body_rays, plan = plan_of(CURVED)
-    (draw,) = held["image"].draws
+    (draw,) = held["seen"].draws
     triangles, data = (written[buffer] for buffer in level.buffers)
     triangles = triangles.reshape(-1, 4)[draw.first : draw.first + draw.count]
     # Mesh 0 has the scene's first triangles, so that the number in the scene is that in the mirror.

@@ -10,7 +10,7 @@ from scenes import CAMERA, SIZE, drawn, open_view, pixels_of, scene_with, spheri
 
 from anamorph.base.errors import AnamorphError
 from anamorph.frame import View
-from anamorph.gallery.shapes import box, grid
+from anamorph.gallery.solids import box, grid
 from anamorph.lenses.making import make_lens
 from anamorph.lenses.prescription import Prescription
 from anamorph.measure.errors import measure, silhouettes

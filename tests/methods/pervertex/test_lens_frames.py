@@ -13,7 +13,7 @@ from scenes import drawn
 from anamorph.frame import Frame, Status
 from anamorph.gallery import make
 from anamorph.gallery.flat_mirror import plane_mirror
-from anamorph.gallery.shapes import grid
+from anamorph.gallery.solids import grid
 from anamorph.gallery.textures import checkerboard
 from anamorph.lenses.lens import lens_between
 from anamorph.lenses.making import make_lens

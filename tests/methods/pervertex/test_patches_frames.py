@@ -36,7 +36,7 @@ def patches(field: str) -> int:
     """How many maps the ball gets."""
     session = open_view(BALL, f"pervertex{field}", (200, 150))
     session.draw(BALL.camera)
-    return len(session.diagnostics()["image"].draws)
+    return len(session.diagnostics()["seen"].draws)
 
 
 def test_the_ball_is_divided_the_more_the_smaller_the_field():

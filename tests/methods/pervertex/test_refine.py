@@ -12,7 +12,7 @@ from scenes import drawn, flat_mirror, open_view, scene_with, spherical_mirror
 from anamorph.base.errors import AnamorphError
 from anamorph.frame import Status
 from anamorph.gallery import make
-from anamorph.gallery.shapes import box
+from anamorph.gallery.solids import box
 from anamorph.gpu.targets import read_texture
 from anamorph.measure.angles import angles_between, normalized
 from anamorph.measure.errors import measure

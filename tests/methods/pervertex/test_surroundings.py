@@ -11,7 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scenes import CAMERA, SIZE, flat_mirror
 
-from anamorph.gallery.shapes import box, grid
+from anamorph.gallery.solids import box, grid
 from anamorph.methods.pervertex.mounting import MOST_LAYERS, what_is_behind
 from anamorph.methods.pervertex.surroundings import Surroundings, surroundings_of
 from anamorph.optics.ray_meshes import bodies_of

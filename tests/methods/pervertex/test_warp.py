@@ -12,7 +12,7 @@ from plans import plan_of, planned
 from scenes import CAMERA, CENTER, SIZE, flat_mirror, pixels_of, scene_with, spherical_mirror
 
 from anamorph.gallery import make
-from anamorph.gallery.shapes import box
+from anamorph.gallery.solids import box
 from anamorph.methods.pervertex import Options
 from anamorph.methods.pervertex.warp import aligned, near_normal, plan_map
 from anamorph.projection import map_frame

@@ -12,7 +12,7 @@ from small_device import SmallDevice
 from anamorph import gallery
 from anamorph.base.errors import AnamorphError
 from anamorph.frame import Status, View
-from anamorph.gallery.shapes import box
+from anamorph.gallery.solids import box
 from anamorph.measure.errors import silhouettes
 from anamorph.methods import METHODS, Specification
 from anamorph.methods.tracing import tiles

@@ -13,7 +13,7 @@ from anamorph import gallery
 from anamorph.base.errors import AnamorphError
 from anamorph.base.steps import drain
 from anamorph.frame import Status, View
-from anamorph.gallery.shapes import box
+from anamorph.gallery.solids import box
 from anamorph.gpu.device import get_device
 from anamorph.gpu.drawing import bind_scene, submit
 from anamorph.gpu.targets import COLOR_FORMAT, begin_pass, make_target, read_texture

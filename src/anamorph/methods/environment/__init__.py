@@ -5,12 +5,12 @@ Source: Blinn and Newell, "Texture and reflection in computer generated images" 
 
 | part of the papers | what | module |
 | --- | --- | --- |
-| Greene: the cube | six images of the scene, from the middle of a mirror | `cube` |
+| Greene: the cube | six images of the scene, from the middle of a mirror | `cube_map` |
 | Blinn and Newell: reflection | look up the reflected direction | `environment` |
-| | the same for a shader, also of another method | `cube.wgsl` |
+| | the same for a shader, also of another method | `cube_map.wgsl` |
 | in neither | flat mirrors, by the scene drawn from the mirrored eye | a special case of `methods.pervertex` |
 """
 
-from anamorph.methods.environment.cube import CubeMap as CubeMap
-from anamorph.methods.environment.cube import cube_layout as cube_layout
+from anamorph.methods.environment.cube_map import CubeMap as CubeMap
+from anamorph.methods.environment.cube_map import cube_layout as cube_layout
 from anamorph.methods.environment.environment import METHOD as METHOD

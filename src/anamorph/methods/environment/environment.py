@@ -18,7 +18,7 @@ from anamorph.frame import View
 from anamorph.gpu.drawing import draw_mesh, make_pipeline
 from anamorph.gpu.shaders import shader_module
 from anamorph.gpu.targets import COLOR_FORMAT, SEEN_FORMATS
-from anamorph.methods.environment.cube import FACES, CubeMap, cube_layout
+from anamorph.methods.environment.cube_map import FACES, CubeMap, cube_layout
 from anamorph.methods.options import check_options, option
 from anamorph.methods.pervertex.options import Options as PerVertexOptions
 from anamorph.methods.pervertex.pervertex import PerVertexDrawing

@@ -1,5 +1,5 @@
 // Environment mapping: a cube map looked up by the reflected direction alone.
-// needs: methods/environment/cube.wgsl
+// needs: methods/environment/cube_map.wgsl
 
 @fragment
 fn environment_color(fragment: SceneFragment) -> @location(0) vec4f {

@@ -16,7 +16,7 @@ numbers in brackets are its steps. A shader that is not listed has the name of i
 | (2) | draw the maps, of which only what is looked up | `atlas`, `looked_up.wgsl`; mipmaps: `halving`, `halve.wgsl` |
 | (4) | draw the scene, and the bodies with their maps | `pervertex`; a lens (4.5): `lens.wgsl` |
 | 6, Figure 16 | where a map does not show what a ray meets | `inconsistency`; known to a pixel: `doubt.wgsl` |
-| Figures 1, 16 | balls at the hits, and wires | `marks`, `overlay` |
+| Figures 1, 16 | balls at the hits, and wires | `vertex_marks`, `overlay` |
 | not in it | trace the pixels that may be wrong by more than a tolerance | `mend` |
 | | what may be chosen | `options` |
 """

@@ -63,7 +63,7 @@ class SeenBodies:
 
 
 class FrameMaps:
-    """The images of all levels of one frame.
+    """The maps of all levels of one frame.
 
     Parameters
     ----------
@@ -73,7 +73,7 @@ class FrameMaps:
         As many as there are maps in maps at most.
     options : Options
     draw : callable
-        Draws an image into a pass.
+        Draws the bodies that a map shows into its pass.
     """
 
     def __init__(
@@ -105,10 +105,10 @@ class FrameMaps:
         key = (*eye.point, *eye.matrix.ravel())
         if key != self._eye:
             self._eye, self._rays = key, [rays_of(body, eye) for body in self._bodies]
-        image = self._seen_by(eye, self._levels, self._options.bounces, self._rays, position, extra)
+        seen = self._seen_by(eye, self._levels, self._options.bounces, self._rays, position, extra)
         for level in self._levels:
             level.place()
-        return image
+        return seen
 
     def figures(self) -> dict[str, float]:
         """How many maps the last plan has, of all levels, their texels, and the share of these that is looked up."""

@@ -26,10 +26,10 @@ from anamorph.methods.options import check_options
 from anamorph.methods.pervertex.atlas import MapKind
 from anamorph.methods.pervertex.frame_maps import FrameMaps, SeenBodies, interfaces
 from anamorph.methods.pervertex.level import Level, level_layout
-from anamorph.methods.pervertex.marks import Marks
 from anamorph.methods.pervertex.mend import Mender, doubtful_tiles
 from anamorph.methods.pervertex.options import Options
 from anamorph.methods.pervertex.surroundings import Surroundings, surroundings_of
+from anamorph.methods.pervertex.vertex_marks import VertexMarks
 from anamorph.methods.protocol import Method
 from anamorph.methods.session import Session
 from anamorph.methods.specular_drawing import SpecularDrawing
@@ -74,9 +74,9 @@ class PerVertexDrawing(SpecularDrawing):
             self._mender = Mender(stage, surroundings.caster)
             self._errors = make_texture(stage.view.size, ERROR_FORMAT)
             self._errors_view = self._errors.create_view()
-        self._image: SeenBodies | None = None
+        self._seen: SeenBodies | None = None
         self._camera: Camera | None = None
-        self._marks = Marks(bodies, options.overlay, options.antialias) if options.overlay != "none" else None
+        self._marks = VertexMarks(bodies, options.overlay, options.antialias) if options.overlay != "none" else None
         module = shader_module("methods/pervertex/doubt.wgsl", "methods/pervertex/looked_up.wgsl")
         constants: dict[str, float] = {
             "REFINEMENTS": options.refine,
@@ -107,7 +107,7 @@ class PerVertexDrawing(SpecularDrawing):
         self._nowhere = depth_pipeline("nowhere_vertex")
         self._looked_up = [depth_pipeline("looked_up_vertex", constants={"REFRACTS": number}) for number in (0, 1)]
         self._pipeline = pipeline
-        self._images = FrameMaps(
+        self._maps = FrameMaps(
             surroundings,
             bodies,
             self._levels,
@@ -119,7 +119,7 @@ class PerVertexDrawing(SpecularDrawing):
     @property
     def replaced(self) -> tuple[int, ...]:
         """The mirrors that show their front: the others are drawn with the scene."""
-        return () if self._image is None else self._image.replaced
+        return () if self._seen is None else self._seen.replaced
 
     def deformed(self, geometry: Geometry) -> None:
         """Have the next maps and rays see the moved scene; without vertex rays nothing is cast, and no tree follows."""
@@ -129,7 +129,7 @@ class PerVertexDrawing(SpecularDrawing):
         if self._mender is not None:
             self._mender.moved(geometry)
         self._surroundings = self._surroundings.moved(geometry)
-        self._images.moved(self._surroundings)
+        self._maps.moved(self._surroundings)
         self._camera = None
 
     @property
@@ -141,8 +141,8 @@ class PerVertexDrawing(SpecularDrawing):
         """Plan all maps (steps 1 to 3) for a frame from `camera`; None where no mirror or lens is seen."""
         balls = self._draw_balls if self._marks is not None else None
         eye = camera.eye(self.stage.view.size)
-        self._image = self._images.plan(eye, np.asarray(camera.position, float), balls)
-        return self._image
+        self._seen = self._maps.plan(eye, np.asarray(camera.position, float), balls)
+        return self._seen
 
     def prepare(self, encoder: wgpu.GPUCommandEncoder, camera: Camera, shift: tuple[float, float]) -> None:
         """Steps 1 to 3: plan all maps, and draw them; where nothing has moved, the last ones serve."""
@@ -151,7 +151,7 @@ class PerVertexDrawing(SpecularDrawing):
         self._camera = camera
         self.plan(camera)
         if self._marks is not None:
-            self._marks.place(self._image, camera, self.stage.view.size, self._surroundings)
+            self._marks.place(self._seen, camera, self.stage.view.size, self._surroundings)
         looks = self._options.refine > 0 or self._mender is not None or self._options.overlay == "inconsistency"
         kinds: Sequence[MapKind] = (MapKind.COLOR,)
         # Steps lead anywhere in a map, mipmaps blend far texels, and samples at a triangle's border look up beside it.
@@ -160,7 +160,7 @@ class PerVertexDrawing(SpecularDrawing):
             # The balls have colour, and no depth that could be taken for the scene's.
             at_once = self._options.antialias == 1 and self._marks is None
             kinds = (MapKind.BOTH,) if at_once else (MapKind.COLOR, MapKind.DEPTH)
-        self._images.draw_maps(encoder, self.stage.buffers, kinds, None if whole else self.leave_out)
+        self._maps.draw_maps(encoder, self.stage.buffers, kinds, None if whole else self.leave_out)
 
     def leave_out(self, level: Level, number: int, depth_pass: wgpu.GPURenderPassEncoder) -> None:
         """Leave out what no fragment looks up."""
@@ -190,13 +190,13 @@ class PerVertexDrawing(SpecularDrawing):
     def prepare_seen(self, encoder: wgpu.GPUCommandEncoder) -> None:
         """Draw what the maps see, for the seen buffers."""
         kinds = [MapKind.DEPTH] if len(self._levels) == 1 else [MapKind.DEPTH, MapKind.END]
-        self._images.draw_maps(encoder, self.stage.buffers, kinds)
+        self._maps.draw_maps(encoder, self.stage.buffers, kinds)
 
     def draw_color(self, render_pass: wgpu.GPURenderPassEncoder) -> None:
         """Step 4: the mirrors and lenses, with their maps."""
         self._draw("inconsistency" if self._options.overlay == "inconsistency" else "color", render_pass)
         if self._marks is not None:
-            self._marks.draw(self._image, render_pass)
+            self._marks.draw(self._seen, render_pass)
 
     def draw_seen(self, render_pass: wgpu.GPURenderPassEncoder) -> None:
         """The mirrors' and lenses' seen buffers."""
@@ -205,40 +205,40 @@ class PerVertexDrawing(SpecularDrawing):
             self._mender.draw_seen(render_pass)
 
     def _draw(self, output: str, render_pass: wgpu.GPURenderPassEncoder) -> None:
-        if self._image is not None:
-            _draw(self._pipeline, self._image, output, render_pass)
+        if self._seen is not None:
+            _draw(self._pipeline, self._seen, output, render_pass)
 
     def _draw_balls(self, kind: MapKind, render_pass: wgpu.GPURenderPassEncoder) -> None:
         if kind == MapKind.COLOR and self._marks is not None:
-            self._marks.draw_in_map(self._image, render_pass)
+            self._marks.draw_in_map(self._seen, render_pass)
 
     def figures(self) -> dict[str, float]:
         """How many maps the last frame took, their texels, and the share of these that is looked up."""
-        return self._images.figures()
+        return self._maps.figures()
 
     def diagnostics(self) -> Mapping[str, Any]:
         """The levels of maps, the plan of the last frame, and with a tolerance the errors of its pixels."""
         errors = None if self._mender is None else self._errors
-        return {"levels": self._levels, "image": self._image, "errors": errors}
+        return {"levels": self._levels, "seen": self._seen, "errors": errors}
 
 
 Pipelines = Callable[[bool, int, bool, str], wgpu.GPURenderPipeline]
 """Of a patch: whether it is a lens, its sides, whether its map is a cube, and the output."""
 
 
-def _draw(pipeline: Pipelines, image: SeenBodies, output: str, render_pass: wgpu.GPURenderPassEncoder) -> None:
+def _draw(pipeline: Pipelines, seen: SeenBodies, output: str, render_pass: wgpu.GPURenderPassEncoder) -> None:
     drawn = None
-    for draw in sorted(image.draws, key=lambda draw: (draw.refracts, draw.sides, draw.cube)):
+    for draw in sorted(seen.draws, key=lambda draw: (draw.refracts, draw.sides, draw.cube)):
         chosen = pipeline(draw.refracts, draw.sides, draw.cube, output)
         if chosen is not drawn:
             render_pass.set_pipeline(chosen)
             drawn = chosen
-        image.level.select(render_pass, draw.number)
+        seen.level.select(render_pass, draw.number)
         render_pass.draw(3 * draw.count, 1, 3 * draw.first)
 
 
-def _draw_in_map(pipeline: Pipelines, image: SeenBodies, kind: MapKind, render_pass: wgpu.GPURenderPassEncoder) -> None:
-    _draw(pipeline, image, kind.value, render_pass)
+def _draw_in_map(pipeline: Pipelines, seen: SeenBodies, kind: MapKind, render_pass: wgpu.GPURenderPassEncoder) -> None:
+    _draw(pipeline, seen, kind.value, render_pass)
 
 
 def open_session(view: View, options: Options) -> Session:

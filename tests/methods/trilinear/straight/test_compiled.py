@@ -8,9 +8,9 @@ from hypothesis import Phase, given, settings
 from hypothesis import strategies as st
 from ray_triangles import scene
 
+from anamorph.methods.trilinear.straight.barycentric_grid import small_triangle
 from anamorph.methods.trilinear.straight.chains import CORNER, EDGE, LINKS, OPEN, SHAPES, connected
-from anamorph.methods.trilinear.straight.grid import small_triangle
-from anamorph.methods.trilinear.straight.rows import straight_rows
+from anamorph.methods.trilinear.straight.swept_sides import straight_rows
 from anamorph.methods.trilinear.straight.traces import CUTS, quadratic_roots, side_crossings
 from anamorph.raytriangle.rows import PACE, SHIFT
 from anamorph.raytriangle.solve import BEFORE, COUNT, ROOT, ROOTS, WORDS, solve_point

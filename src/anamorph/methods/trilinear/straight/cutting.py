@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 
 from anamorph.base.compiled import compiled, inlined
-from anamorph.methods.trilinear.straight.rows import IMAGE
+from anamorph.methods.trilinear.straight.swept_sides import IMAGE
 from anamorph.methods.trilinear.straight.traces import SECOND, THIRD, TRACE, T, U, V
 from anamorph.raytriangle.rows import PACE, SHIFT
 

@@ -9,9 +9,9 @@ from __future__ import annotations
 import numpy as np
 
 from anamorph.base.compiled import compiled
+from anamorph.methods.trilinear.straight.barycentric_grid import small_triangle
 from anamorph.methods.trilinear.straight.chains import LINKS, SHAPES, connected, link_t
 from anamorph.methods.trilinear.straight.cutting import CORNERS, MOST, Pieces
-from anamorph.methods.trilinear.straight.grid import small_triangle
 from anamorph.methods.trilinear.straight.strips import strip
 from anamorph.methods.trilinear.straight.traces import BESIDE, CUTS, TRACE, has_ray, levels_of, side_crossings, traced
 from anamorph.raytriangle.rows import LINES, PACE, SHIFT

@@ -18,7 +18,7 @@ import numpy as np
 from anamorph.base.compiled import compiled, inlined
 from anamorph.base.vectors import along, cross, dot
 from anamorph.methods.trilinear.straight.chains import CORNER, EDGE, OPEN, WHICH, link_t
-from anamorph.methods.trilinear.straight.rows import SIDE, SIDES
+from anamorph.methods.trilinear.straight.swept_sides import SIDE, SIDES
 from anamorph.raytriangle.roots import insert
 from anamorph.raytriangle.rows import MEAN, normal, three
 from anamorph.raytriangle.solve import NOWHERE, ROOT, ROOTS, ray_through

@@ -25,7 +25,7 @@ HIT_COLOR = (0.9, 0.03, 0.02)
 CONSISTENT_COLOR, INCONSISTENT_COLOR = (0.9, 0.9, 0.9), (0.0, 0.2, 0.9)
 
 
-class Marks:
+class VertexMarks:
     """The marks of every body, drawn with `samples` a pixel.
 
     Of the overlay "mesh": the wires, and a red ball where each vertex ray hits, which shows in the mirror too. Of
@@ -39,11 +39,11 @@ class Marks:
         }
 
     def place(
-        self, image: SeenBodies | None, camera: Camera, size: tuple[int, int], surroundings: Surroundings
+        self, seen_bodies: SeenBodies | None, camera: Camera, size: tuple[int, int], surroundings: Surroundings
     ) -> None:
         """Put all where a frame from `camera` has it."""
         pixel = 2.0 * np.tan(np.radians(camera.field_of_view) / 2.0) / size[1]
-        for seen in () if image is None else image.seen:
+        for seen in () if seen_bodies is None else seen_bodies.seen:
             vertices = seen.body_rays.side.optics.positions
             distances = np.linalg.norm(vertices - camera.position, axis=1)
             if self._at_hits:
@@ -56,14 +56,14 @@ class Marks:
                 centers, colors = vertices, np.where(hidden[:, None], INCONSISTENT_COLOR, CONSISTENT_COLOR)
             self._overlays[seen.body_rays.side].place(centers, radii, colors)
 
-    def draw_in_map(self, image: SeenBodies | None, render_pass: wgpu.GPURenderPassEncoder) -> None:
+    def draw_in_map(self, seen_bodies: SeenBodies | None, render_pass: wgpu.GPURenderPassEncoder) -> None:
         """Draw what shows in a mirror, into its map."""
-        for seen in () if image is None or not self._at_hits else image.seen:
+        for seen in () if seen_bodies is None or not self._at_hits else seen_bodies.seen:
             self._overlays[seen.body_rays.side].draw_balls(render_pass)
 
-    def draw(self, image: SeenBodies | None, render_pass: wgpu.GPURenderPassEncoder) -> None:
+    def draw(self, seen_bodies: SeenBodies | None, render_pass: wgpu.GPURenderPassEncoder) -> None:
         """Draw all, into the image."""
-        for seen in () if image is None else image.seen:
+        for seen in () if seen_bodies is None else seen_bodies.seen:
             self._overlays[seen.body_rays.side].draw_balls(render_pass)
             if self._at_hits:
                 self._overlays[seen.body_rays.side].draw_wires(render_pass)

@@ -19,7 +19,7 @@ import numpy as np
 
 from anamorph.base.compiled import over_all_cores
 from anamorph.methods.trilinear.straight.fill import filled, pieces_for
-from anamorph.methods.trilinear.straight.rows import straight_rows
+from anamorph.methods.trilinear.straight.swept_sides import straight_rows
 
 GRAIN = 4096
 """Small triangles that one core takes at a time."""

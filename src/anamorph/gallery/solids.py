@@ -15,7 +15,7 @@ WHOLE: Rectangle = (0.0, 0.0, 1.0, 1.0)
 
 
 @dataclass(frozen=True, eq=False)
-class Shape:
+class Solid:
     """Triangles without a name or a material yet.
 
     Parameters
@@ -31,10 +31,10 @@ class Shape:
     colors: np.ndarray
     faces: np.ndarray
 
-    def moved(self, x: float, y: float, z: float) -> Shape:
+    def moved(self, x: float, y: float, z: float) -> Solid:
         return replace(self, positions=np.add(self.positions, (x, y, z)))
 
-    def turned(self, degrees: float, axis: int = 1) -> Shape:
+    def turned(self, degrees: float, axis: int = 1) -> Solid:
         """Turned right-handedly about the x, y or z axis (0, 1, 2)."""
         first, second = (axis + 1) % 3, (axis + 2) % 3
         cosine, sine = np.cos(np.radians(degrees)), np.sin(np.radians(degrees))
@@ -42,10 +42,10 @@ class Shape:
         matrix[[first, first, second, second], [first, second, first, second]] = cosine, -sine, sine, cosine
         return replace(self, positions=self.positions @ matrix.T, normals=self.normals @ matrix.T)
 
-    def painted(self, color: Color) -> Shape:
+    def painted(self, color: Color) -> Solid:
         return replace(self, colors=self.colors * color)
 
-    def shaded(self, light: np.ndarray) -> Shape:
+    def shaded(self, light: np.ndarray) -> Solid:
         """Darkened vertex by vertex: `light` (V,) is the share of light that is left."""
         return replace(self, colors=self.colors * light[:, None])
 
@@ -62,10 +62,10 @@ class Shape:
         )
 
 
-def join(shapes: Sequence[Shape]) -> Shape:
+def join(shapes: Sequence[Solid]) -> Solid:
     """All `shapes` as one."""
     offsets = np.cumsum([0, *(len(shape.positions) for shape in shapes[:-1])])
-    return Shape(
+    return Solid(
         positions=np.concatenate([shape.positions for shape in shapes]),
         normals=np.concatenate([shape.normals for shape in shapes]),
         texcoords=np.concatenate([shape.texcoords for shape in shapes]),
@@ -80,7 +80,7 @@ def creased(
     crease: float = 0.0,
     texcoords: np.ndarray | None = None,
     colors: np.ndarray | None = None,
-) -> Shape:
+) -> Solid:
     """Triangles with normals that are smooth across edges bent by less than `crease` degrees.
 
     `texcoords` (V, 2) and `colors` (V, 3) go with the vertices, or (F, 3, 2) and (F, 3, 3) with the faces' corners.
@@ -108,7 +108,7 @@ def creased(
     table = np.hstack([corners, normals, *(extra.reshape(len(corners), -1) for extra in extras)])
     _, chosen, index = np.unique(np.round(table, 7), axis=0, return_index=True, return_inverse=True)
     rows = table[chosen]
-    return Shape(rows[:, :3], rows[:, 3:6], rows[:, 6:8], rows[:, 8:], index.reshape(-1, 3))
+    return Solid(rows[:, :3], rows[:, 3:6], rows[:, 6:8], rows[:, 8:], index.reshape(-1, 3))
 
 
 def lattice(rows: int, columns: int, closed: bool = False) -> np.ndarray:
@@ -129,13 +129,13 @@ def grid(
     up: Sequence[float],
     divisions: tuple[int, int] = (1, 1),
     image: Rectangle = WHOLE,
-) -> Shape:
+) -> Solid:
     """A parallelogram seen from the side of right x up, showing the part (left, top, right, bottom) of the texture."""
     s, t = np.meshgrid(np.linspace(0, 1, divisions[0] + 1), np.linspace(0, 1, divisions[1] + 1))
     s, t = s.reshape(-1, 1), t.reshape(-1, 1)
     normal = np.cross(right, up)
     left, top, far, bottom = image
-    return Shape(
+    return Solid(
         positions=np.asarray(corner) + s * np.asarray(right) + t * np.asarray(up),
         normals=np.tile(normal / np.linalg.norm(normal), (len(s), 1)),
         texcoords=np.hstack([left + s * (far - left), bottom + t * (top - bottom)]),
@@ -150,7 +150,7 @@ def box(
     sides: str = "+x-x+y-y+z-z",
     image: Rectangle = WHOLE,
     divisions: tuple[int, int] = (1, 1),
-) -> Shape:
+) -> Solid:
     """A box between two corners; `sides` lists the faces it has."""
     (x, y, z), (w, h, d) = low, np.subtract(high, low)
     faces = {
@@ -164,7 +164,7 @@ def box(
     return join([grid(*faces[sides[i : i + 2]], divisions, image) for i in range(0, len(sides), 2)])
 
 
-def six_sided(low: Sequence[float], high: Sequence[float], divisions: tuple[int, int] = (1, 1)) -> Shape:
+def six_sided(low: Sequence[float], high: Sequence[float], divisions: tuple[int, int] = (1, 1)) -> Solid:
     """A box whose sides, front, right, back, left, top and bottom, show six fields of a texture.
 
     They are the fields in its left three quarters, three across and two down.
@@ -176,7 +176,7 @@ def six_sided(low: Sequence[float], high: Sequence[float], divisions: tuple[int,
     return join(sides)
 
 
-def loft(rings: np.ndarray, crease: float = 40.0) -> Shape:
+def loft(rings: np.ndarray, crease: float = 40.0) -> Solid:
     """A skin over `rings` (R, S, 3), whose points turn counter-clockwise seen from where the rings go.
 
     Texture coordinates run once around and along.
@@ -187,7 +187,7 @@ def loft(rings: np.ndarray, crease: float = 40.0) -> Shape:
     return creased(rings.reshape(-1, 3), lattice(count, size, closed=True), crease, texcoords)
 
 
-def lathe(profile: Sequence[tuple[float, float]], segments: int = 16, crease: float = 40.0) -> Shape:
+def lathe(profile: Sequence[tuple[float, float]], segments: int = 16, crease: float = 40.0) -> Solid:
     """A solid of revolution about the y axis from (radius, height) pairs, listed from the bottom to the top."""
     angle = np.arange(segments) * 2 * np.pi / segments
     radius, height = np.asarray(profile, float).T
@@ -195,7 +195,7 @@ def lathe(profile: Sequence[tuple[float, float]], segments: int = 16, crease: fl
     return loft(np.stack([x, np.broadcast_to(height[:, None], x.shape), z], axis=-1), crease)
 
 
-def cylinder(radius: float, height: float, segments: int = 12) -> Shape:
+def cylinder(radius: float, height: float, segments: int = 12) -> Solid:
     """A closed cylinder that stands on the origin."""
     return lathe([(0, 0), (radius, 0), (radius, height), (0, height)], segments)
 
@@ -212,10 +212,10 @@ def globe(rows: int, columns: int) -> tuple[np.ndarray, np.ndarray]:
     return np.stack([u.ravel(), v.ravel()], axis=-1), np.concatenate([south, middle, north])
 
 
-def ball(subdivisions: int, radius: float, middle: Sequence[float]) -> Shape:
+def ball(subdivisions: int, radius: float, middle: Sequence[float]) -> Solid:
     """A plain ball of triangles that are about alike."""
     points, faces = icosphere(subdivisions)
-    return Shape(points * radius + middle, points, np.zeros((len(points), 2)), np.ones_like(points), faces)
+    return Solid(points * radius + middle, points, np.zeros((len(points), 2)), np.ones_like(points), faces)
 
 
 def icosphere(subdivisions: int) -> tuple[np.ndarray, np.ndarray]:

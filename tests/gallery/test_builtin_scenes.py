@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from anamorph import gallery
 from anamorph.base.errors import AnamorphError
-from anamorph.gallery import shapes
+from anamorph.gallery import solids
 from anamorph.gallery.teapot import patches
 from anamorph.rays.caster import Caster
 from anamorph.scene.geometry import flatten
@@ -282,32 +282,32 @@ def volume(shape):
 def test_solids_are_closed_and_wound_outward(radius, height, sides, degrees, axis):
     prism = sides / 2 * np.sin(2 * np.pi / sides) * radius**2 * height
     for solid, expected in (
-        (shapes.cylinder(radius, height, sides), prism),
-        (shapes.box((0, 0, 0), (radius, height, 2.0)), 2 * radius * height),
+        (solids.cylinder(radius, height, sides), prism),
+        (solids.box((0, 0, 0), (radius, height, 2.0)), 2 * radius * height),
     ):
         assert volume(solid.turned(degrees, axis).moved(0.3, -0.2, 1.0)) == pytest.approx(expected, rel=1e-9)
 
 
 def test_an_icosphere_is_nearly_a_ball_and_has_its_count_of_triangles():
-    points, faces = shapes.icosphere(3)
+    points, faces = solids.icosphere(3)
     assert len(faces) == 20 * 4**3 and len(points) == 10 * 4**3 + 2
     np.testing.assert_allclose(np.linalg.norm(points, axis=1), 1.0)
-    assert volume(shapes.creased(points, faces)) == pytest.approx(4 / 3 * np.pi, rel=0.02)
+    assert volume(solids.creased(points, faces)) == pytest.approx(4 / 3 * np.pi, rel=0.02)
 
 
 def test_creases_keep_a_box_sharp_and_a_ball_smooth():
-    box = shapes.box((-1, -1, -1), (1, 1, 1))
-    sharp = shapes.creased(box.positions, box.faces, 60.0)
+    box = solids.box((-1, -1, -1), (1, 1, 1))
+    sharp = solids.creased(box.positions, box.faces, 60.0)
     assert len(sharp.positions) == 24 and (np.abs(sharp.normals).max(axis=1) == 1.0).all()
-    assert len(shapes.creased(box.positions, box.faces, 100.0).positions) == 8
-    points, faces = shapes.icosphere(2)
-    ball = shapes.creased(points, faces, 60.0)
+    assert len(solids.creased(box.positions, box.faces, 100.0).positions) == 8
+    points, faces = solids.icosphere(2)
+    ball = solids.creased(points, faces, 60.0)
     assert len(ball.positions) == len(points)
     np.testing.assert_allclose(ball.normals, ball.positions, atol=0.05)
 
 
 def test_a_grid_shows_the_top_left_of_its_image_at_its_top_left():
-    grid = shapes.grid((0, 0, 0), (2, 0, 0), (0, 1, 0), (4, 3), (0.25, 0.5, 0.75, 1.0))
+    grid = solids.grid((0, 0, 0), (2, 0, 0), (0, 1, 0), (4, 3), (0.25, 0.5, 0.75, 1.0))
     top_left = np.argmax(grid.positions[:, 1] - grid.positions[:, 0])
     bottom_right = np.argmin(grid.positions[:, 1] - grid.positions[:, 0])
     np.testing.assert_allclose(grid.texcoords[[top_left, bottom_right]], [[0.25, 0.5], [0.75, 1.0]])

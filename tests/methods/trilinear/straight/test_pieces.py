@@ -12,7 +12,7 @@ from ray_triangles import EXACT, ROUNDED, examples, scene
 
 from anamorph.base.errors import AnamorphError
 from anamorph.methods.trilinear import straight
-from anamorph.methods.trilinear.straight import fill, pieces, project_triangle, straight_pieces
+from anamorph.methods.trilinear.straight import bulk, fill, project_triangle, straight_pieces
 from anamorph.methods.trilinear.straight.cutting import GUARD
 
 PLAIN = np.array([[0.0, 0.0, 1.0], [1.0, 0.0, 1.0], [0.0, 1.0, 1.0]])
@@ -272,7 +272,7 @@ def test_many_pairs_are_drawn_as_one_by_one_in_their_order_on_any_number_of_core
     pairs = np.argwhere(np.ones((6, 6)))
     options = {"tessellate": 2, "slices": 1}
     together = straight_pieces(image, p, n, corners, pairs, **options)
-    monkeypatch.setattr(pieces, "GRAIN", 5)
+    monkeypatch.setattr(bulk, "GRAIN", 5)
     parts = straight_pieces(image, p, n, corners, pairs, **options)
     for name in ("place", "weights", "t", "pair"):
         assert (getattr(together, name) == getattr(parts, name)).all()

@@ -11,11 +11,11 @@ without it, the method lacks its option `edges=straight` and no more.
 | 4.5.2, 5.2 | a shape's two chains as points, with more at levels of t and at the ray triangle's sides | `traces` |
 | 5.2 | what the edges of a ray triangle sweep | `swept_sides` |
 | | what lies between the two chains, as triangles near the ray triangle | `strips`, `cutting` |
-| | all that in bulk | `fill`, `straight_pieces`: `straight_pieces` |
+| | all that in bulk | `fill`, `bulk`: `straight_pieces` |
 | | as the device draws it | `edges`: `StraightEdges`; `straight.wgsl` |
 """
 
+from anamorph.methods.trilinear.straight.bulk import straight_pieces as straight_pieces
 from anamorph.methods.trilinear.straight.edges import StraightEdges as StraightEdges
 from anamorph.methods.trilinear.straight.shapes import Shape as Shape
 from anamorph.methods.trilinear.straight.shapes import project_triangle as project_triangle
-from anamorph.methods.trilinear.straight.straight_pieces import straight_pieces as straight_pieces

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from anamorph.methods.trilinear.straight.straight_pieces import straight_pieces
+from anamorph.methods.trilinear.straight.bulk import straight_pieces
 
 STRAIGHT_CORNER = np.dtype([("place", "f4", 2), ("weights", "f4", 2), ("t", "f4"), ("pair", "u4")])
 """`StraightCorner` of straight.wgsl."""

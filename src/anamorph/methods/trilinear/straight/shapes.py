@@ -1,7 +1,7 @@
 """What a scene triangle becomes in a ray triangle: one to four shapes of two to nine vertices, and their visible part.
 
 Source: Vallance 2005, sections 4.1 to 4.3 (with `chains`), and 4.6: what lies behind the origins is cut away, exactly,
-on the edges of the scene triangle. Here for one scene triangle and for looking at; `straight_pieces` draws many.
+on the edges of the scene triangle. Here for one scene triangle and for looking at; `bulk` draws many.
 
 Deviation: corners count by the roots of their cubics, whether or not float64 can tell the ray that leads there, so that
 no far vertex breaks a shape.

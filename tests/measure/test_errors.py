@@ -198,7 +198,7 @@ def test_colours_count_only_at_the_mirror():
 
 @pytest.mark.parametrize("field", ["object_id", "specular", "ray_origin"])
 def test_a_missing_buffer_is_named(field):
-    with pytest.raises(AnamorphError, match=f"truth: has no '{field}'.*seen=True"):
+    with pytest.raises(AnamorphError, match=f"reference: has no '{field}'.*seen=True"):
         measure(replace(plane_truth(), **{field: None}), plane_truth())
 
 

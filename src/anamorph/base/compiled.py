@@ -77,16 +77,30 @@ if hasattr(os, "register_at_fork"):
 
 
 def over_all_cores(work: Callable[[int, int], None], count: int, grain: int) -> None:
-    """Call work(start, stop) for pieces of range(count), `grain` or fewer each, on all the cores."""
-    for _ in steps_over_all_cores(work, count, grain):
-        pass
+    """Call work(start, stop) for pieces of range(count), `grain` or fewer each, on all the cores.
+
+    One piece runs in the calling thread, because waking another costs more than a small piece itself.
+    """
+    starts = range(0, count, grain)
+    if len(starts) <= 1 or cores() == 1:
+        for start in starts:
+            work(start, min(start + grain, count))
+        return
+    pieces = [_threads().submit(work, start, min(start + grain, count)) for start in starts]
+    try:
+        for piece in pieces:
+            piece.result()
+    finally:
+        # After a failure, nothing that still runs may write into arrays that the caller has given up.
+        for piece in pieces:
+            piece.cancel()
+        wait(pieces)
 
 
 def steps_over_all_cores(work: Callable[[int, int], None], count: int, grain: int) -> Generator[None, None, None]:
     """Like `over_all_cores`, in steps of a few milliseconds.
 
-    The pieces that have begun go on between two steps; once it is closed, none does. One piece runs in the calling
-    thread, because waking another costs more than a small piece itself.
+    The pieces that have begun go on between two steps; once it is closed, none does.
     """
     starts = range(0, count, grain)
     if len(starts) <= 1 or cores() == 1:
@@ -109,7 +123,6 @@ def steps_over_all_cores(work: Callable[[int, int], None], count: int, grain: in
             going = [piece for piece in going if piece not in done]
             yield
     finally:
-        # After a failure, nothing that still runs may write into arrays that the caller has given up.
         for piece in going:
             piece.cancel()
         wait(going)

@@ -93,7 +93,7 @@ def error_maps(reference: Frame, frame: Frame) -> ErrorMaps:
     """What `measure` finds of each pixel, without its colours: some thirty times as fast."""
     if reference.color.shape != frame.color.shape:
         raise AnamorphError(
-            f"truth {reference.color.shape} and frame {frame.color.shape} differ in size; draw both at one size"
+            f"reference {reference.color.shape} and frame {frame.color.shape} differ in size; draw both at one size"
         )
     surface, true_object = _buffer("reference", reference, "specular"), _buffer("reference", reference, "object_id")
     object_id, looks_at = _buffer("frame", frame, "object_id"), _buffer("frame", frame, "specular")

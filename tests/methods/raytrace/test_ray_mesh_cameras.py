@@ -363,7 +363,7 @@ def test_what_cannot_see_through_a_ray_mesh_says_what_can():
     with pytest.raises(AnamorphError, match="needs a pinhole"):
         _ = View(DIFFUSE, mesh, SIZE).pinhole_camera
     with pytest.raises(AnamorphError, match="give truth=surface"):
-        seen_through(mesh, reference="raymesh")
+        seen_through(mesh, truth="raymesh")
     with pytest.raises(AnamorphError, match="size 0x60"):
         seen_through(mesh, size=(0, 60))
 

@@ -391,7 +391,7 @@ def test_vertices_turned_away_are_said_to_be():
 
 def test_refraction_at_vertices_is_refused():
     ball = patch(Sphere(np.zeros(3), 1.0), (-1, -1), (1, 1), 4, "ball", Glass())
-    with pytest.raises(AnamorphError, match=r"'ball'.*raytrace"):
+    with pytest.raises(AnamorphError, match=r"'ball'.*give it the material Mirror"):
         reflected_rays(reflector(ball), Camera((0, 0, 3), (0, 0, 0)).eye(SIZE))
     with pytest.raises(AnamorphError, match=r"'ball'.*raytrace"):
         trace([ball], Camera((0, 0, 3), (0, 0, 0)), truth="raymesh")

@@ -208,7 +208,7 @@ def test_a_click_tells_what_is_seen_there_and_draws_its_path(hand: Hand) -> None
     looked = hand.settle(lambda snapshot: snapshot["inspection"] and snapshot["at_rest"])
     seen = hand.viewer.snapshot()["inspection"]
     assert [stop["name"] for stop in seen["path"]][:2] == ["eye", "mirror"] and len(seen["path"]) >= 3
-    assert seen["seen"] == seen["truth"] and seen["angular_mrad"] < 0.5
+    assert seen["seen"] == seen["reference"] and seen["angular_mrad"] < 0.5
     assert not np.array_equal(looked, plain)
     # From outside, the path that the eye has looked into stays.
     hand.key("o")
@@ -479,7 +479,7 @@ def test_from_outside_no_error_is_told_of_a_path_that_has_moved(hand: Hand) -> N
     show(hand, values={"mirror/swivel": 20.0})
     moved = hand.viewer.snapshot()["inspection"]
     assert moved["path"] != looked["path"] and moved["angular_mrad"] is None
-    assert moved["truth"] == moved["path"][-1]["name"]
+    assert moved["reference"] == moved["path"][-1]["name"]
 
 
 def test_every_builtin_scene_opens() -> None:

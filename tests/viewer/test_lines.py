@@ -204,7 +204,7 @@ def test_what_stands_in_the_eye_itself_is_not_drawn(eye, scale, width):
 
 
 @settings(max_examples=40)
-@given(first=points, transmittance=st.sampled_from([0.0, 0.5, 1.0]), width=st.floats(0.1, 6.0))
+@given(first=points, share=st.sampled_from([0.0, 0.5, 1.0]), width=st.floats(0.1, 6.0))
 def test_a_line_through_the_eye_shows_at_least_its_point(first, share, width):
     """What rounding adds to that point cannot be foretold."""
     depth = (first - EYE) @ FORWARD

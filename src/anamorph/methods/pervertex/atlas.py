@@ -112,7 +112,7 @@ class Atlas:
     Attributes
     ----------
     views : list of MapView
-        The maps, smaller than they were asked for where there is no space for all.
+        The maps, smaller than they were asked for where the atlas cannot hold them all.
     corners : list of (x, y)
         Where each map begins.
     color, depth, end : textures

@@ -11,7 +11,7 @@ import io
 import sys
 import threading
 import weakref
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Coroutine, Iterator
 from contextlib import contextmanager
 from types import SimpleNamespace
 from typing import Any
@@ -23,6 +23,7 @@ from PIL import Image
 
 import anamorph as an
 from anamorph.gpu.device import get_device
+from anamorph.gpu.drawing import wait
 from anamorph.viewer.backends import choice as backends
 from anamorph.viewer.backends.notebook import in_notebook
 
@@ -85,6 +86,13 @@ async def until(happened: Callable[[], Any]) -> None:
     raise AssertionError("it did not happen")
 
 
+async def to_the_end(notebook: Callable[[], Coroutine[Any, Any, None]]) -> None:
+    """Run a notebook; what the device is still reading then must not come to a closed event loop."""
+    await notebook()
+    wait()
+    await asyncio.sleep(0)
+
+
 @contextmanager
 def ear() -> Iterator[asyncio.AbstractEventLoop]:
     """An event loop that runs on another thread."""
@@ -124,7 +132,7 @@ def test_a_cell_shows_the_viewer_which_follows_the_pointer(monkeypatch):
         await until(widget.get_closed)
 
     with ear() as loop:
-        asyncio.run(notebook())
+        asyncio.run(to_the_end(notebook))
 
 
 def test_a_viewer_that_nobody_sees_is_let_go_of_and_goes_on_where_it_was(monkeypatch):
@@ -158,7 +166,7 @@ def test_a_viewer_that_nobody_sees_is_let_go_of_and_goes_on_where_it_was(monkeyp
         await asyncio.sleep(0.3)
 
     with ear() as loop:
-        asyncio.run(notebook())
+        asyncio.run(to_the_end(notebook))
 
 
 def test_a_device_that_is_lost_while_nobody_looks_is_replaced(monkeypatch):
@@ -180,7 +188,7 @@ def test_a_device_that_is_lost_while_nobody_looks_is_replaced(monkeypatch):
         await asyncio.sleep(0.3)
 
     with ear() as loop:
-        asyncio.run(notebook())
+        asyncio.run(to_the_end(notebook))
 
 
 @pytest.mark.parametrize(

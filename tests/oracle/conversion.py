@@ -8,7 +8,7 @@ import anamorph
 from anamorph.lenses.lens import Lens
 from anamorph.lenses.making import lens_axes
 from anamorph.surfaces.base import Surface
-from oracle.scene import DIFFUSE, GLASS, MIRROR, Mesh, Part, Scene, Shape, Trim
+from oracle.scene import DIFFUSE, GLASS, MIRROR, Camera, Mesh, Part, Scene, Shape, Trim
 from oracle.subrays import Shown
 
 
@@ -87,6 +87,29 @@ def lens_parts(lens: Lens, middle: np.ndarray, axes: np.ndarray, radius: float) 
     return [*faces, Part(edge.name, Mesh(edge.positions, edge.normals, edge.faces.astype(np.int64)))]
 
 
+def built_in(name: str) -> Scene:
+    """A built-in scene with one lens; what else is in it stands as triangles after the lens."""
+    scene = anamorph.open_scene(name)[0]
+    own = {
+        kind: next(mesh for mesh in scene.meshes if mesh.name == f"lens/{kind}") for kind in ("front", "back", "edge")
+    }
+    border = own["edge"].positions[: len(own["edge"].positions) // 2].astype(float)
+    middle = border.mean(axis=0)
+    outward = np.cross(border[0] - middle, border[len(border) // 4] - middle)
+    right = (border[0] - middle) / np.linalg.norm(border[0] - middle)
+    outward /= np.linalg.norm(outward)
+    axes = np.stack([right, np.cross(outward, right), outward])
+    radius = float(np.linalg.norm((border - middle) @ axes[:2].T, axis=1).mean())
+    lens = lens_parts(Lens(own["front"], own["back"], own["edge"]), middle, axes, radius)
+    others = [
+        Part(mesh.name, Mesh(mesh.positions, mesh.normals, mesh.faces.astype(np.int64)))
+        for mesh in scene.meshes
+        if all(mesh is not one for one in own.values())
+    ]
+    camera = scene.camera
+    return Scene(name, (*lens, *others), Camera(camera.position, camera.target, camera.field_of_view, camera.up))
+
+
 def _shape(surface: Surface, side: float) -> Shape:
     """The package's surface by its documented fields."""
     match surface:
@@ -95,6 +118,9 @@ def _shape(surface: Surface, side: float) -> Shape:
         case anamorph.Toroid():
             numbers = surface.base_curvature, surface.cross_curvature
             return Shape("toroid", np.asarray(surface.apex), np.asarray(surface.axes), numbers, side)
+        case anamorph.EvenAsphere():
+            numbers = surface.curvature, surface.conic, *surface.coefficients
+            return Shape("asphere", np.asarray(surface.apex), np.asarray(surface.axes), numbers, side)
         case anamorph.Plane():
             axes = np.stack([surface.edge_u, surface.edge_v, np.cross(surface.edge_u, surface.edge_v)]).astype(float)
             return Shape("plane", np.asarray(surface.origin), axes / np.linalg.norm(axes, axis=1)[:, None], (), side)

@@ -9,6 +9,7 @@ It shares nothing with the package: float64, analytic surfaces, a tree of boxes 
 | where a ray meets a plane, sphere, cylinder or cone | `quadrics` |
 | where a ray meets a toroid or an even asphere | `sags` |
 | the part of a surface that is there | `trims` |
+| where a ray meets a trimmed shape of any kind | `shapes` |
 | triangles and their tree of boxes | `triangles` |
 | paths of light | `tracer` |
 | how far, in pixels, a frame is from what the tracer sees | `judging` |
@@ -20,5 +21,6 @@ It shares nothing with the package: float64, analytic surfaces, a tree of boxes 
 | scenes on which a method once failed | `found` |
 | from these scenes to the package's, and from its lenses to these | `conversion` |
 
-Only `conversion`, and what makes worn lenses by it, may import `anamorph`.
+Of these only `conversion`, the families and `found` lean on `anamorph`: the tracer and its judgement stand
+alone.
 """

@@ -90,9 +90,8 @@ def lens_parts(lens: Lens, middle: np.ndarray, axes: np.ndarray, radius: float) 
 def built_in(name: str) -> Scene:
     """A built-in scene with one lens; what else is in it stands as triangles after the lens."""
     scene = anamorph.open_scene(name)[0]
-    own = {
-        kind: next(mesh for mesh in scene.meshes if mesh.name == f"lens/{kind}") for kind in ("front", "back", "edge")
-    }
+    named = {mesh.name: mesh for mesh in scene.meshes}
+    own = {kind: named[f"lens/{kind}"] for kind in ("front", "back", "edge")}
     border = own["edge"].positions[: len(own["edge"].positions) // 2].astype(float)
     middle = border.mean(axis=0)
     outward = np.cross(border[0] - middle, border[len(border) // 4] - middle)

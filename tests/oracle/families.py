@@ -43,3 +43,26 @@ FAMILIES: dict[str, Callable[[np.random.Generator], Scene]] = {
 def make(family: str, seed: int) -> Scene:
     """One scene of a family: the same for the same seed, whatever other families there are."""
     return FAMILIES[family](np.random.default_rng([seed, *family.encode()]))
+
+
+AGREEING = [
+    ("ball", 0),
+    ("convex-cap", 1),
+    ("concave-cap", 2),
+    ("inside-ball", 2),
+    ("toroid", 1),
+    ("asphere", 2),
+    ("wavy-mesh", 1),
+    ("cylinder", 0),
+    ("two-balls", 2),
+    ("facing-pair", 1),
+    ("wall-mirror", 3),
+    ("toric-lens", 2),
+    ("worn-lens", 2),
+    ("near-mirror", 3),
+    ("touching-things", 0),
+    ("meshed-ball", 1),
+    ("micrometres", 2),
+    ("kilometres", 0),
+]
+"""Families and seeds on which the tests hold `raytrace` to the tracer."""

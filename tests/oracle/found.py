@@ -46,10 +46,8 @@ def _asphere(name: str, apex: Numbers, numbers: Numbers, outward: Numbers, reach
 
 def _wavy_mesh() -> Scene:
     """One with interpolated normals; with the tolerance, some of its pixels showed another object."""
-    kept, camera = (
-        _kept(),
-        Camera((1.55961695, -0.61866193, 1.87185816), (-0.07300716, 0.12676635, 0.02209055), 29.211485),
-    )
+    kept = _kept()
+    camera = Camera((1.55961695, -0.61866193, 1.87185816), (-0.07300716, 0.12676635, 0.02209055), 29.211485)
     mesh = Mesh(kept["wavy-mesh/positions"], kept["wavy-mesh/normals"], lattice(31, 31))
     return _with_boxes("wavy-mesh", [Part("mirror", mesh, MIRROR)], camera)
 
@@ -151,7 +149,8 @@ FOUND: dict[str, Callable[[], Scene]] = {
         Camera((-0.6791416, -0.087408316, 1.281633034), (0.275575303, 0.00846407, -0.162277218), 33.587206),
     ),
     "concave-asphere": partial(
-        _asphere, "concave-asphere", (-0.225562617, 0.258563364, 0.101010014), (-0.868623091, -0.020386341, 0.569028582),
+        _asphere, "concave-asphere", (-0.225562617, 0.258563364, 0.101010014),
+        (-0.868623091, -0.020386341, 0.569028582),
         (-0.059724602, -0.383398700, 0.921649830), 0.301860526,
         Camera((0.051858268, 0.184445425, 0.809775457), (-0.237642362, 0.268662766, 0.087238410), 55.516363),
     ),

@@ -33,7 +33,8 @@ class Judgement:
     unanswered : bool
         Pixels that look at a specular surface and have none.
     silhouette : bool
-        Counted pixels within one pixel of another object or another specular surface.
+        Counted pixels within one pixel of another object or another specular surface, by the tracer's pixel centres;
+        and those that show another one which some sub-ray within half a pixel sees, too.
     other : bool
         Of the rest, those that show another object or another specular surface.
     angles : float64
@@ -80,7 +81,7 @@ def judge(tracer: Tracer, camera: Camera, shown: Shown) -> Judgement:
     specular = (truth.specular > 0) | (flat.specular > 0)
     answered = (truth.flags & (LIMIT | ASTRAY)) == 0
     counted = specular & answered
-    labels = np.stack([truth.object_id, truth.specular, truth.last]).reshape(3, *shown.object_id.shape)
+    labels = np.stack([truth.object_id, truth.specular]).reshape(2, *shown.object_id.shape)
     silhouette = counted & beside_another(labels).ravel()
     other = counted & ~silhouette & ((truth.object_id != flat.object_id) | (truth.specular != flat.specular))
     angles, pixels, missed = np.zeros(len(counted)), np.zeros(len(counted)), np.zeros(len(counted), bool)
@@ -92,12 +93,16 @@ def judge(tracer: Tracer, camera: Camera, shown: Shown) -> Judgement:
     # What is seen in the right direction may stand behind what the ray meets.
     shown_depth = np.where(flat.object_id == 0, 0.0, toward(truth, flat)[1])
     deep = np.abs(depths(truth) - shown_depth) > DEPTH * shown_depth
-    far = np.flatnonzero(counted & (silhouette | (~other & (deep | (pixels > ALLOWED)))))
+    far = np.flatnonzero(counted & (silhouette | other | deep | (pixels > ALLOWED)))
     if len(far):
         sees = any_subray_sees(tracer, camera, size, centres[far], flat[far], ALLOWED)
-        missed[far] = silhouette[far] & ~sees
-        plain = far[~silhouette[far]]
-        pixels[plain] = np.where(sees[~silhouette[far]], np.minimum(pixels[plain], ALLOWED), np.inf)
+        # A thing that shows between the tracer's pixel centres has a silhouette that they do not tell of.
+        silhouette[far[sees & other[far]]] = True
+        other &= ~silhouette
+        at_silhouette = silhouette[far]
+        missed[far] = at_silhouette & ~sees
+        pixels[far] = np.where(at_silhouette, 0.0, np.where(sees, np.minimum(pixels[far], ALLOWED), np.inf))
+        angles[far[at_silhouette]] = 0.0
     maps = counted, specular & ~answered, silhouette, other, angles, pixels, missed, flat.status
     return Judgement(*(each.reshape(shown.object_id.shape) for each in maps))
 

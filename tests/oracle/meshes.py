@@ -77,6 +77,7 @@ def ball(center: np.ndarray, radius: float, rows: int, columns: int, side: float
     parameters = np.stack([around.ravel(), up.ravel()], axis=-1)
     flat = np.cos(up)
     normals = np.stack([flat * np.sin(around), np.sin(up), flat * np.cos(around)], axis=-1).reshape(-1, 3)
+    normals = _closed(normals)
     faces = lattice(rows + 1, columns + 1)
     first = np.arange(len(faces)) < rows * columns
     cell = np.arange(len(faces)) % (rows * columns) // columns
@@ -89,12 +90,17 @@ def tube(origin: np.ndarray, axes: np.ndarray, radii: tuple[float, float], lengt
     """A cylinder or cone about the third axis, from the origin to `length`, open at both ends."""
     share, angle = np.meshgrid(np.linspace(0.0, 1.0, up + 1), np.linspace(0.0, 2.0 * np.pi, around + 1), indexing="ij")
     radius = radii[0] + share * (radii[1] - radii[0])
-    way = np.stack([np.cos(angle), np.sin(angle)], axis=-1)
+    way = _closed(np.stack([np.cos(angle), np.sin(angle)], axis=-1))
     local = np.concatenate([radius[..., None] * way, length * share[..., None]], axis=-1).reshape(-1, 3)
     lean = np.full((*share.shape, 1), (radii[0] - radii[1]) / length)
     normals = np.concatenate([way, lean], axis=-1).reshape(-1, 3)
     normals /= np.linalg.norm(normals, axis=1, keepdims=True)
     return Mesh(origin + local @ axes, normals @ axes, lattice(up + 1, around + 1))
+
+
+def _closed(values: np.ndarray) -> np.ndarray:
+    """Cosines and sines that are the same after a whole turn: else the seam is a crack as wide as their rounding."""
+    return np.round(values, 15)
 
 
 CUBE = np.array([[x, y, z] for x in (-1.0, 1.0) for y in (-1.0, 1.0) for z in (-1.0, 1.0)])

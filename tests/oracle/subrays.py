@@ -9,11 +9,12 @@ import numpy as np
 from oracle.scene import Camera
 from oracle.tracer import Seen, Tracer
 
-ACROSS = 9
-"""Sub-rays from side to side of a pixel's circle."""
+ACROSS = (9, 17)
+"""Sub-rays from side to side of a pixel's circle: of every pixel, and of those where one of the first
+passes by what is shown and sees something else."""
 
-MANY = 16384
-"""Pixels that are looked at in one go."""
+MANY = 1 << 20
+"""Sub-rays that are traced in one go."""
 
 CLOSE = 1e-5
 """Radians: what is seen as near as this is the same."""
@@ -91,33 +92,35 @@ def any_subray_sees(
     It does if it looks at the same specular surface, ends on the same object, and passes by the point shown, and ends
     before or behind it, no further than the next ray of the grid does.
     """
-    pieces = range(0, len(centres), MANY)
-    return np.concatenate([
-        _any_of_few(tracer, camera, size, centres[start : start + MANY], shown[np.s_[start : start + MANY]], radius)
-        for start in pieces
-    ])  # fmt: skip
+    sees, left = np.zeros(len(centres), bool), np.arange(len(centres))
+    for across in ACROSS:
+        few, again = MANY // across**2, []
+        for start in range(0, len(left), few):
+            own = left[start : start + few]
+            sees[own], passes = _any_of_few(tracer, camera, size, centres[own], shown[own], radius, across)
+            again.append(own[passes & ~sees[own]])
+        left = np.concatenate([*again, np.zeros(0, np.int64)])
+    return sees
 
 
 def _any_of_few(
-    tracer: Tracer, camera: Camera, size: tuple[int, int], centres: np.ndarray, shown: Shown, radius: float
-) -> np.ndarray:
-    ticks = np.linspace(-1.0, 1.0, ACROSS)
-    grid = np.stack(np.meshgrid(ticks, ticks), axis=-1).reshape(-1, 2)
-    grid = radius * grid[np.linalg.norm(grid, axis=1) <= 1.0 + 1e-9]
-    count, rays = len(centres), len(grid)
-    seen = tracer.look(camera, (centres[:, None] + grid).reshape(-1, 2), size)
+    tracer: Tracer, camera: Camera, size: tuple[int, int], centres: np.ndarray, shown: Shown, radius: float, across: int
+) -> tuple[np.ndarray, np.ndarray]:
+    """Whether some of a grid of sub-rays sees what is shown, and whether some passes by it, (N,) bool each."""
+    ticks = radius * np.linspace(-1.0, 1.0, across)
+    grid = np.stack(np.meshgrid(ticks, ticks), axis=-1)
+    inside = np.linalg.norm(grid, axis=-1) <= radius * (1.0 + 1e-9)
+    count, rays = len(centres), int(inside.sum())
+    seen = tracer.look(camera, (centres[:, None] + grid[inside]).reshape(-1, 2), size)
     every = shown[np.repeat(np.arange(count), rays)]
-    angles = np.linalg.norm(offsets_of(seen, every), axis=1).reshape(count, rays)
-    way = seen.specular * 4096 + seen.last * 16 + seen.bounces
-    same = ((seen.object_id == every.object_id) & (seen.specular == every.specular)).reshape(count, rays)
-    deeper = np.abs(depths(seen) - toward(seen, every)[1]).reshape(count, rays)
-    places = grid, radius * (ticks[1] - ticks[0])
-    turn = _spacing(*places, seen.direction.reshape(count, rays, 3), way.reshape(count, rays), CLOSE)
-    step = _spacing(
-        *places, depths(seen).reshape(count, rays, 1), (way * 65536 + seen.object_id).reshape(count, rays), 0
-    )
-    near = deeper <= step + DEPTH * toward(seen, every)[1].reshape(count, rays)
-    return (same & (angles <= turn) & (near | (every.object_id == 0).reshape(count, rays))).any(axis=1)
+    distance = toward(seen, every)[1]
+    path = seen.specular * 4096 + seen.last * 16 + seen.bounces
+    turn = _spacing(inside, count, path, seen.direction, CLOSE)
+    step = _spacing(inside, count, path * 65536 + seen.object_id, depths(seen)[:, None], 0.0)
+    passes = (np.linalg.norm(offsets_of(seen, every), axis=1) <= turn) & (seen.specular == every.specular)
+    near = (every.object_id == 0) | (np.abs(depths(seen) - distance) <= step + DEPTH * distance)
+    sees = passes & near & (seen.object_id == every.object_id)
+    return sees.reshape(count, rays).any(axis=1), passes.reshape(count, rays).any(axis=1)
 
 
 def depths(seen: Seen) -> np.ndarray:
@@ -125,12 +128,18 @@ def depths(seen: Seen) -> np.ndarray:
     return np.where(seen.object_id == 0, 0.0, np.linalg.norm(seen.position - seen.origin, axis=1))
 
 
-def _spacing(grid: np.ndarray, tick: float, values: np.ndarray, labels: np.ndarray, least: float) -> np.ndarray:
-    """How far values (N, rays, K) of neighbours in the grid with one label are apart, at most, (N, rays)."""
-    spacing = np.full(labels.shape, float(least))
-    for one in range(len(grid)):
-        for other in np.flatnonzero(np.isclose(np.linalg.norm(grid - grid[one], axis=1), tick)):
-            apart = np.linalg.norm(values[:, one] - values[:, other], axis=1)
-            spacing[:, one] = np.maximum(spacing[:, one], np.where(labels[:, one] == labels[:, other], apart, 0.0))
+def _spacing(inside: np.ndarray, count: int, labels: np.ndarray, values: np.ndarray, least: float) -> np.ndarray:
+    """How far the values (rays, K) of neighbours in a pixel's grid that have one label are apart, at most, (rays,)."""
+    label = np.full((count, *inside.shape), -1)
+    value, spacing = np.zeros((*label.shape, values.shape[1])), np.full(label.shape, least)
+    label[:, inside], value[:, inside] = labels.reshape(count, -1), values.reshape(count, -1, values.shape[1])
+    every, before, after = np.s_[:], np.s_[:-1], np.s_[1:]
+    for one, other in (
+        ((every, before), (every, after)),
+        ((every, every, before), (every, every, after)),
+    ):
+        apart = np.where(label[one] == label[other], np.linalg.norm(value[one] - value[other], axis=-1), 0.0)
+        spacing[one], spacing[other] = np.maximum(spacing[one], apart), np.maximum(spacing[other], apart)
     # A ray alone on its path, between two silhouettes, is taken to be as far from the next as others of its pixel are.
-    return np.where(spacing <= least, spacing.max(axis=1, keepdims=True), spacing)
+    largest = spacing.max(axis=(1, 2), keepdims=True)
+    return np.where(spacing <= least, largest, spacing)[:, inside].ravel()

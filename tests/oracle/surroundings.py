@@ -58,7 +58,7 @@ def place(random: np.random.Generator, reach: float, distance: float, tilt: floa
 def boxes(
     random: np.random.Generator,
     where: Place,
-    count: int = 36,
+    count: int = 60,
     near: float | None = None,
     far: float = 6.0,
     sizes: tuple[float, float] = (0.08, 0.6),

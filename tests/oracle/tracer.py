@@ -13,19 +13,17 @@ from dataclasses import dataclass, fields
 
 import numpy as np
 
-from oracle.quadrics import coefficients, quadric_normal, quadric_roots
-from oracle.sags import ASPHERE, TOROID, next_crossing, sag, sag_numbers
-from oracle.scene import DIFFUSE, GLASS, MIRROR, Camera, Scene, Shape, Trim
+from oracle.scene import DIFFUSE, GLASS, MIRROR, Camera, Scene
+from oracle.shapes import WORDS, meet_shape, packed, shape_normal
 from oracle.triangles import meet_triangles, triangles_of
-from oracle.trims import WORDS, inside_polygon, packed, stretch
-from oracle.vectors import along, compiled, cross, dot, into, out_of, scaled, unit, vector
+from oracle.vectors import along, compiled, cross, dot, scaled, unit
 
 TOTAL, LIMIT, ASTRAY = 1, 2, 4
 """Flags: some reflection was total; the bounce limit ended the path; an interpolated normal sent a ray through its own
 triangle, where a mesh says nothing about what is seen."""
 
 GRAIN = 4096
-NONE, QUADRIC = -1, 0
+NONE = -1
 MATERIALS = {DIFFUSE: 0, MIRROR: 1, GLASS: 2}
 
 
@@ -77,7 +75,7 @@ class Tracer:
         numbered = list(enumerate(scene.parts, start=1))
         shaped = [(number, part) for number, part in numbered if part.shape is not None]
         self._triangles = triangles_of([(number, part.mesh) for number, part in numbered if part.shape is None])
-        self._rows = np.array([_row(part.shape, part.trim) for _, part in shaped]).reshape(len(shaped), 64)
+        self._rows = np.array([packed(part.shape, part.trim) for _, part in shaped]).reshape(len(shaped), WORDS)
         self._owner = np.array([number for number, _ in shaped], np.int64)
         self._material = np.array([0, *(MATERIALS[part.material] for part in scene.parts)])
         self._index = np.array([1.0, *(part.index for part in scene.parts)])
@@ -103,51 +101,6 @@ class Tracer:
     def look(self, camera: Camera, points: np.ndarray, size: tuple[int, int]) -> Seen:
         """What is seen at image points (N, 2)."""
         return self.trace(np.array(camera.position, float), camera.directions(points, size))
-
-
-def _row(shape: Shape, trim: Trim) -> np.ndarray:
-    """A shape as the compiled loop reads it: kind, side, origin, axes, trim, numbers."""
-    kind = {"toroid": TOROID, "asphere": ASPHERE}.get(shape.kind, QUADRIC)
-    numbers = coefficients(shape) if kind == QUADRIC else sag_numbers(shape)
-    row = np.concatenate([[kind, shape.side], shape.origin, np.ravel(shape.axes), packed(trim), numbers])
-    return np.pad(row, (0, 64 - len(row)))
-
-
-@compiled
-def _meet_shape(row, origin, direction, best, leaving):
-    """The distance at which a ray meets a trimmed shape before `best`; infinite where it does not."""
-    trim = row[14 : 14 + WORDS]
-    start, end = stretch(trim, origin, direction)
-    end = min(end, best)
-    if not start < end:
-        return math.inf
-    place, way = into(row[5:14], along(origin, -1.0, vector(row, 2))), into(row[5:14], direction)
-    numbers = row[14 + WORDS :]
-    if row[0] == QUADRIC:
-        for distance in quadric_roots(numbers, place, way, leaving):
-            ahead = 0.0 < distance < best and start <= distance <= end
-            if ahead and inside_polygon(trim, along(origin, distance, direction)):
-                return distance
-        return math.inf
-    kind = int(row[0])
-    if end == math.inf:
-        return math.inf
-    distance = next_crossing(kind, numbers, place, way, start, end, leaving and start == 0.0)
-    while distance < best and not inside_polygon(trim, along(origin, distance, direction)):
-        distance = next_crossing(kind, numbers, place, way, distance, end, True)
-    return distance if distance < best else math.inf
-
-
-@compiled
-def _shape_normal(row, point):
-    """The unit normal of a shape, toward the part's outside, at a point on it."""
-    place, numbers = into(row[5:14], along(point, -1.0, vector(row, 2))), row[14 + WORDS :]
-    if row[0] == QUADRIC:
-        local = quadric_normal(numbers, place)
-    else:
-        _, _, slope_x, slope_y = sag(int(row[0]), numbers, place[0], place[1])
-        local = slope_x, slope_y, 1.0
-    return unit(scaled(row[1], out_of(row[5:14], local)))
 
 
 @compiled
@@ -183,7 +136,7 @@ def _trace(
         while True:
             best, shape = math.inf, NONE
             for number in range(len(rows)):
-                distance = _meet_shape(rows[number], origin, direction, best, number == left_shape)
+                distance = meet_shape(rows[number], origin, direction, best, number == left_shape)
                 if distance < best:
                     best, shape = distance, number
             best, triangle, u, v = meet_triangles(triangles, origin, direction, best, left_triangle, left_part)
@@ -202,7 +155,7 @@ def _trace(
                 flat, normal = _mesh_normals(triangles.corners[triangle], triangles.normals[triangle], u, v)
             else:
                 part = owner[shape]
-                normal = _shape_normal(rows[shape], point)
+                normal = shape_normal(rows[shape], point)
                 flat = normal
             object_id[ray] = part
             front = dot(flat, direction) < 0.0

@@ -12,8 +12,11 @@ from oracle.vectors import along, compiled, cross, dot
 LEAF = 4
 """Triangles that a box may hold without being divided."""
 
-MARGIN = 1e-12
-"""By how much, in barycentric coordinates, triangles overlap: no ray slips through between two."""
+ROUNDING = 1e-15
+"""By how much rounding may change a number, as a share of the numbers that it is made of."""
+
+OVERLAP = 1e-7
+"""The most by which triangles may overlap, in barycentric coordinates, so that no ray slips through between two."""
 
 
 class Triangles(NamedTuple):
@@ -55,7 +58,8 @@ def _tree(low: np.ndarray, high: np.ndarray) -> tuple[np.ndarray, ...]:
         box = waiting.pop()
         first, count = rows[box][2:]
         own = order[first : first + count]
-        lows[box], highs[box] = low[own].min(axis=0), high[own].max(axis=0)
+        room = ROUNDING * np.maximum(np.abs(low[own]), np.abs(high[own])).max()
+        lows[box], highs[box] = low[own].min(axis=0) - room, high[own].max(axis=0) + room
         if count <= LEAF:
             continue
         axes[box] = int(np.ptp(middle[own], axis=0).argmax())
@@ -90,11 +94,14 @@ def meet_triangle(corners, origin, direction):
         return -1.0, 0.0, 0.0
     offset = along(origin, -1.0, a)
     u = dot(offset, turned) / volume
-    if u < -MARGIN or u > 1.0 + MARGIN:
+    size = (abs(offset[0]) + abs(offset[1]) + abs(offset[2])) / abs(volume)
+    edges = max(abs(edge_1[0]) + abs(edge_1[1]) + abs(edge_1[2]), abs(edge_2[0]) + abs(edge_2[1]) + abs(edge_2[2]))
+    overlap = min(ROUNDING * size * edges, OVERLAP)
+    if u < -overlap or u > 1.0 + overlap:
         return -1.0, 0.0, 0.0
     lifted = cross(offset, edge_1)
     v = dot(direction, lifted) / volume
-    if v < -MARGIN or u + v > 1.0 + MARGIN:
+    if v < -overlap or u + v > 1.0 + overlap:
         return -1.0, 0.0, 0.0
     return dot(edge_2, lifted) / volume, u, v
 
@@ -129,7 +136,7 @@ def meet_triangles(triangles, origin, direction, best, left, left_part):
             if triangle == left:
                 continue
             distance, u, v = meet_triangle(triangles.corners[triangle], origin, direction)
-            nearest = 4e-15 * largest if triangles.part[triangle] == left_part else 0.0
+            nearest = 4.0 * ROUNDING * largest if triangles.part[triangle] == left_part else 0.0
             if nearest < distance < best:
                 best, found, found_u, found_v = distance, triangle, u, v
     return best, found, found_u, found_v

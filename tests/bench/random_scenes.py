@@ -43,6 +43,7 @@ class Tally:
     silhouette: int = 0
     missed: int = 0
     unanswered: int = 0
+    largest: float = 0.0
     wrong_by_status: Counter = field(default_factory=Counter)
     by_status: Counter = field(default_factory=Counter)
 
@@ -54,12 +55,15 @@ class Tally:
         self.silhouette += int(judgement.silhouette.sum())
         self.missed += int(judgement.missed.sum())
         self.unanswered += int(judgement.unanswered.sum())
+        self.largest = max(self.largest, float(judgement.angles.max()))
         self.wrong_by_status.update(judgement.wrong_by_status())
         self.by_status.update(judgement.status[judgement.counted].tolist())
 
     def merge(self, other: Tally) -> None:
+        largest = max(self.largest, other.largest)
         for name, value in vars(other).items():
             setattr(self, name, getattr(self, name) + value)
+        self.largest = largest
 
     @property
     def within(self) -> float:
@@ -70,7 +74,8 @@ class Tally:
         wrong = ", ".join(f"{count} {Status(status).name}" for status, count in self.wrong_by_status.most_common())
         return (
             f"{self.within:8.3f}% within 0.5 px  {percent(self.other, self.plain):7.3f}% other object  "
-            f"{percent(self.silhouette - self.missed, self.silhouette):7.2f}% at silhouettes  wrong: {wrong or 'none'}"
+            f"{percent(self.silhouette - self.missed, self.silhouette):7.2f}% at silhouettes  "
+            f"{self.largest:.0e} rad at most  wrong: {wrong or 'none'}"
         )
 
 

@@ -187,3 +187,6 @@ FOUND: dict[str, Callable[[], Scene]] = {
     "spectacles-minus-half": partial(moved_eye, "spectacles-minus", 0.5),
 }  # fmt: skip
 """By name, what makes each scene."""
+
+AGREEING = ["near-mirror", "box-at-crossing", "wall-mirror-15cm", "worn-minus-7"]
+"""Those on which the tests hold `raytrace` to the tracer."""

@@ -130,7 +130,7 @@ def _distances(
     """
     first = np.linalg.norm(offsets_of(truth, shown), axis=1)
     away = np.linalg.norm(shown.direction - truth.direction, axis=1)
-    angles = np.where(shown.direction.any(axis=1), away, first)
+    angles = np.where(shown.direction.any(axis=1), away, np.nan_to_num(first, nan=np.pi))
     places, distances = centres.copy(), np.where(first == 0.0, 0.0, np.inf)
     going = np.flatnonzero(first != 0.0)
     for _ in range(ROUNDS):

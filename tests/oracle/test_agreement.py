@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from anamorph import Status
+from oracle import found
 from oracle.conversion import package_scene, shown_by
 from oracle.families import AGREEING, FAMILIES, make
 from oracle.found import FOUND
@@ -19,12 +20,12 @@ RADIANS = 1e-5
 
 
 def agrees(scene: Scene) -> None:
-    found = judge(Tracer(scene), scene.camera, shown_by(scene, "raytrace", SIZE))
-    assert found.plain.sum() > 200
-    assert not found.other.any() and not found.wrong.any(), found.wrong_by_status()
-    assert found.angles.max() < RADIANS
+    judged = judge(Tracer(scene), scene.camera, shown_by(scene, "raytrace", SIZE))
+    assert judged.plain.sum() > 200
+    assert not judged.other.any() and not judged.wrong.any(), judged.wrong_by_status()
+    assert judged.angles.max() < RADIANS
     # Of few pixels one may lie on the border that the mesh and its surface do not share exactly.
-    assert found.missed.sum() <= max(1, 0.001 * found.silhouette.sum())
+    assert judged.missed.sum() <= max(1, 0.001 * judged.silhouette.sum())
 
 
 @pytest.mark.parametrize(("family", "seed"), AGREEING)
@@ -32,7 +33,7 @@ def test_the_reference_sees_what_the_tracer_does(family, seed):
     agrees(make(family, seed))
 
 
-@pytest.mark.parametrize("name", ["near-mirror", "box-at-crossing", "wall-mirror-15cm", "worn-minus-7"])
+@pytest.mark.parametrize("name", found.AGREEING)
 def test_the_reference_is_right_where_a_method_once_failed(name):
     agrees(FOUND[name]())
 
@@ -64,6 +65,6 @@ def test_a_scene_that_was_found_can_be_drawn(name):
 
 def test_the_judgement_finds_what_a_map_of_few_texels_shows():
     scene = make("convex-cap", 1)
-    found = judge(Tracer(scene), scene.camera, shown_by(scene, "environment:face=64", SIZE))
-    assert found.wrong[found.plain].mean() > 0.3
-    assert set(found.wrong_by_status()) <= set(Status)
+    judged = judge(Tracer(scene), scene.camera, shown_by(scene, "environment:face=64", SIZE))
+    assert judged.wrong[judged.plain].mean() > 0.3
+    assert set(judged.wrong_by_status()) <= set(Status)

@@ -90,9 +90,10 @@ def test_a_mirror_that_is_missing_from_a_frame_is_counted(scene_and_tracer):
     assert found.plain.sum() > 300 and found.wrong[found.plain].all()
 
 
-def test_nothing_shown_is_wrong_and_not_a_number_nowhere(scene_and_tracer):
+def test_where_nothing_is_shown_all_is_wrong(scene_and_tracer):
     scene, tracer = scene_and_tracer
     shown = shown_at(scene, tracer)
     nothing = replace(shown, position=np.zeros_like(shown.position), object_id=np.zeros_like(shown.object_id))
     found = judge(tracer, scene.camera, nothing)
     assert found.wrong[found.plain].all() and found.missed[found.silhouette].all()
+    assert np.isfinite(found.angles).all()

@@ -96,18 +96,18 @@ def large_families(random: Random) -> Scene:
 
 
 def far_families(random: Random) -> Scene:
-    """A mirror of another family hundreds of metres to kilometres from the origin.
+    """A mirror of another family kilometres from the origin.
 
     Lenses are left out: where float32 rounds to a quarter of a millimetre, their edges do not meet their faces.
     """
-    distance = 10.0 ** random.uniform(2.0, 3.7)
+    distance = random.uniform(2000.0, 6000.0)
     return _other(random, lenses=False).moved(1.0, tuple((distance * unit(random.normal(size=3))).tolist()))
 
 
 def large_grounds(random: Random) -> Scene:
     """A worn lens, or blocks on a mirror, above a ground that reaches kilometres."""
-    made = lens_families.worn_lenses(random) if random.random() < 0.5 else touching_things(random)
-    half = 100.0 * 200.0 ** random.random()
+    made = lens_families.worn_lenses(random) if random.random() < 0.75 else touching_things(random)
+    half = float(random.choice([1000.0, 5000.0, 20000.0]))
     grounds = [parts.floor(part.mesh.positions[0, 1], half) if part.name == "floor" else part for part in made.parts]
     return Scene("large ground", tuple(grounds), made.camera)
 

@@ -33,8 +33,8 @@ class Judgement:
     unanswered : bool
         Pixels that look at a specular surface and have none.
     silhouette : bool
-        Counted pixels within one pixel of another object or another specular surface, by the tracer's pixel centres;
-        and those that show another one which some sub-ray within half a pixel sees, too.
+        Counted pixels within one pixel of another object or another first or last specular surface, by the tracer's
+        pixel centres; and those that show another one which some sub-ray within half a pixel sees, too.
     other : bool
         Of the rest, those that show another object or another specular surface.
     angles : float64
@@ -81,7 +81,7 @@ def judge(tracer: Tracer, camera: Camera, shown: Shown) -> Judgement:
     specular = (truth.specular > 0) | (flat.specular > 0)
     answered = (truth.flags & (LIMIT | ASTRAY)) == 0
     counted = specular & answered
-    labels = np.stack([truth.object_id, truth.specular]).reshape(2, *shown.object_id.shape)
+    labels = np.stack([truth.object_id, truth.specular, truth.last]).reshape(3, *shown.object_id.shape)
     silhouette = counted & beside_another(labels).ravel()
     other = counted & ~silhouette & ((truth.object_id != flat.object_id) | (truth.specular != flat.specular))
     angles, pixels, missed = np.zeros(len(counted)), np.zeros(len(counted)), np.zeros(len(counted), bool)

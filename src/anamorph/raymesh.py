@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import IntEnum
 
 import numpy as np
@@ -56,6 +56,10 @@ class RayMesh:
     faces: np.ndarray
     status: np.ndarray
     transmittance: np.ndarray | None = None
+
+    def moved(self, by: np.ndarray) -> RayMesh:
+        """The same rays elsewhere, moved along a vector (3,)."""
+        return replace(self, origins=self.origins + by)
 
     def places(self) -> np.ndarray:
         """Where the vertices are in the image, (V, 2) pixels; it means nothing for those behind the eye."""

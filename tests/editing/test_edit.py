@@ -284,7 +284,7 @@ def test_a_mirror_can_be_bent_as_far_as_its_limits_say(mesh):
 def test_the_image_in_an_edited_mirror_is_still_true(by):
     scene = scene_with(*edit((spherical_mirror(count=12),), by))
     reference = drawn(scene, "raytrace")
-    errors = measure(reference, drawn(scene, "pervertex:refine=3"))
+    errors = measure(reference, drawn(scene, "pervertex"))
     assert (reference.specular == 1).sum() > 3000
     assert errors.pixels.p95 < 0.6 and errors.other_object_percent < 1.5
 

@@ -174,7 +174,7 @@ def test_the_image_through_a_ground_lens_is_still_true():
     scene = scene_with(*ground(lens.meshes, 2.0, 1.67), camera=replace(scene_with().camera, field_of_view=12.0))
     assert scene.meshes[3:] and len(surroundings()) > 3
     reference = drawn(scene, "raytrace:dispersion=false")
-    errors = measure(reference, drawn(scene, "pervertex:refine=3"))
+    errors = measure(reference, drawn(scene, "pervertex"))
     assert (reference.specular > 0).sum() > 1000
     assert errors.pixels.p95 < 0.6 and errors.other_object_percent < 2.0
 

@@ -312,6 +312,13 @@ def test_zero_normals_in_a_file_are_replaced(tmp_path: Path) -> None:
     assert np.allclose(mesh.normals, [0, 0, 1])
 
 
+def test_normals_against_the_winding_are_negated(tmp_path: Path) -> None:
+    """The winding says which side is outside."""
+    (tmp_path / "m.obj").write_text("v 0 0 0\nv 1 0 0\nv 1 1 0\nvn 0 0 -1\nf 1//1 2//1 3//1\n")
+    (mesh,) = load_model(tmp_path / "m.obj")
+    assert np.allclose(mesh.normals, [0, 0, 1])
+
+
 def test_degenerate_triangles_are_dropped(tmp_path: Path) -> None:
     (tmp_path / "m.obj").write_text("v 0 0 0\nv 1 0 0\nv 2 0 0\nv 0 1 0\nf 1 2 3\nf 1 2 4\nf 1 1 4\n")
     (mesh,) = load_model(tmp_path / "m.obj")

@@ -87,7 +87,7 @@ def test_meshes_are_sound(name):
     assert len({mesh.name for mesh in meshes}) == len(meshes)
     for part in meshes:
         count = len(part.positions)
-        assert part.positions.dtype == part.normals.dtype == np.float32, part.name
+        assert part.positions.dtype in (np.float32, np.float64) and part.normals.dtype == np.float32, part.name
         assert np.isfinite(part.positions).all() and part.positions.shape == part.normals.shape == (count, 3), part.name
         assert part.faces.min() >= 0 and part.faces.max() < count, part.name
         np.testing.assert_allclose(np.linalg.norm(part.normals, axis=1), 1.0, atol=1e-5, err_msg=part.name)

@@ -23,7 +23,7 @@ from anamorph.scene.camera import Camera
 from anamorph.scene.geometry import flatten
 from anamorph.scene.model import Mesh, Scene
 
-SPECIFICATIONS = (*METHODS, "pervertex:refine=3,tolerance=0.5", "raytrace:tree=rebuild")
+SPECIFICATIONS = (*METHODS, "pervertex:tolerance=0.5", "pervertex:map=image", "raytrace:tree=rebuild")
 WIND = np.array([0.8, 0.6])
 SCENE = scene_with(spherical_mirror())
 
@@ -197,9 +197,9 @@ def test_an_unknown_way_to_keep_the_tree_is_refused():
 
 
 def test_the_methods_agree_on_the_built_in_scene_at_a_later_time():
-    """The same moment, by a method that casts a ray for every pixel and one that does for none but vertices."""
+    """The same moment, by a method that casts a ray for every pixel and one that casts none."""
     frames = []
-    for specification in ("raytrace", "pervertex:refine=3"):
+    for specification in ("raytrace", "pervertex"):
         session = open_view(deforming(), specification)
         session.deform(*deformed(1.7))
         session.draw(deforming().camera)

@@ -42,6 +42,11 @@ def test_a_sound_scene_passes_unchanged() -> None:
     assert checked.meshes == SCENE.meshes and checked.camera == SCENE.camera
 
 
+def test_diffuse_parts_may_be_wound_either_way() -> None:
+    board = replace(SQUARE, name="board", normals=-SQUARE.normals, material=Diffuse())
+    assert check_scene(replace(SCENE, meshes=(SQUARE, board))).meshes[1] is board
+
+
 def changed(array: np.ndarray, index: Any, value: float) -> np.ndarray:
     copy = array.copy()
     copy[index] = value
@@ -63,6 +68,8 @@ def changed(array: np.ndarray, index: Any, value: float) -> np.ndarray:
         ({"normals": changed(SQUARE.normals, 1, 0.0)}, "vertex 1 has a zero normal"),
         ({"normals": changed(SQUARE.normals, (1, 2), np.nan)}, "normals have NaN"),
         ({"normals": 2 * SQUARE.normals}, "not of length 1"),
+        ({"normals": -SQUARE.normals}, "pane': its normals point against its winding at 2 of 2 triangles; negate the"),
+        ({"faces": np.array([[0, 1, 2], [0, 3, 2]])}, "at 1 of 2 triangles; negate the normals there, or turn"),
         ({"normals": SQUARE.normals[:3]}, "normals have shape"),
         ({"texcoords": np.full((4, 2), np.inf)}, "texcoords have NaN"),
         ({"colors": np.full((4, 3), np.nan)}, "colors have NaN"),

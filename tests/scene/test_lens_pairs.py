@@ -11,10 +11,13 @@ from hypothesis import strategies as st
 from scenes import CAMERA, spherical_mirror
 
 from anamorph import gallery
+from anamorph.base.errors import AnamorphError
 from anamorph.lenses.making import make_lens
 from anamorph.lenses.prescription import Prescription
-from anamorph.scene.lens_pairs import LensPair, SceneGlass, has_one_border, scene_glass
+from anamorph.scene.checks import check_contents
+from anamorph.scene.lens_pairs import LensPair, SceneGlass, has_one_border, least_edge, scene_glass
 from anamorph.scene.model import Diffuse, Glass, Mesh, Scene
+from anamorph.surfaces.similarity import Similarity
 
 
 def lens(name="lens", at=0.0):
@@ -100,3 +103,19 @@ def test_one_border_is_one_closed_line():
     assert not has_one_border(mesh((0, 1, 2), (3, 4, 5))), "two pieces"
     assert not has_one_border(mesh((0, 1, 2), (0, 3, 4))), "they touch in a corner"
     assert not has_one_border(mesh((0, 1, 2), (0, 2, 3), (0, 3, 1), (1, 3, 2))), "closed"
+
+
+@pytest.mark.parametrize(
+    ("thickness", "words"),
+    [
+        (0.0, "lens 'lens': its faces meet in a sharp edge, 0 mm thick at the border; make it thicker or smaller"),
+        (-1e-4, "lens 'lens': its faces cross by 0.1 mm at the border; make it thicker or smaller"),
+    ],
+)
+def test_lenses_without_an_edge_between_their_faces_are_refused(thickness, words):
+    front, back, edge = lens().meshes
+    scene = Scene("test", (front, back, edge), CAMERA)
+    assert check_contents(scene).meshes == scene.meshes
+    by = Similarity.shift(np.array([0.0, 0.0, thickness - least_edge(front, back)]))
+    with pytest.raises(AnamorphError, match=words):
+        check_contents(replace(scene, meshes=(front.moved(by), back, edge)))

@@ -68,7 +68,7 @@ def test_every_vertex_is_on_the_surface_with_its_exact_normal_on_the_meshs_side(
     exact = mesh.surface.position(finer.parameters)
     assert np.abs(off_surface(name, exact)).max() < 1e-12
     # Rounded to a nanometre first: what is nought but for the last digit is nought from both sides of a border.
-    assert (finer.positions[count:] == np.round(exact[count:], 9).astype(np.float32)).all()
+    assert (finer.positions[count:] == np.round(exact[count:], 9).astype(finer.positions.dtype)).all()
     side = np.sum(mesh.surface.normal(mesh.parameters) * mesh.normals, axis=1).mean()
     np.testing.assert_allclose(finer.normals, np.sign(side) * mesh.surface.normal(finer.parameters), atol=2e-7)
 

@@ -22,7 +22,7 @@ from anamorph.base.errors import AnamorphError, nearest
 from anamorph.files import cad
 from anamorph.files.gltf import Gltf, read_gltf
 from anamorph.files.materials import appearance
-from anamorph.files.normals import creased, repaired
+from anamorph.files.normals import creased, repaired, with_winding
 from anamorph.files.reading import Folder, as_utf8, read
 from anamorph.files.source import FaceChoice
 from anamorph.scene.checks import check_triangles
@@ -190,8 +190,9 @@ def _part(
         faces = np.arange(len(positions)).reshape(-1, 3)
 
     with np.errstate(over="ignore"):
-        positions = (positions @ matrix[:3, :3].T + matrix[:3, 3]).astype(np.float32)
-    check_triangles(where, positions, faces)
+        # Unlike a product of matrices, this gives equal vertices the same place.
+        positions = np.einsum("vi,ji->vj", positions, matrix[:3, :3]) + matrix[:3, 3]
+        check_triangles(where, positions.astype(np.float32), faces)
     # A transform that mirrors turns triangles inside out; the cofactors carry normals, mirrored or not.
     if np.linalg.det(matrix[:3, :3]) < 0:
         faces = faces[:, ::-1]
@@ -206,7 +207,7 @@ def _part(
         copies, faces, normals = creased(positions[source], faces)
         source = source[copies]
     else:
-        normals = repaired(normals[source], positions[source], faces)
+        normals = with_winding(repaired(normals[source], positions[source], faces), positions[source], faces)
     return Part(
         Mesh(
             name=name,

@@ -6,7 +6,7 @@ import numpy as np
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
-from anamorph.scene.triangles import doubled_areas
+from anamorph.scene.triangles import doubled_areas, turned_over
 
 CREASE = 40.0
 """Edges bent by more than this, in degrees, stay sharp."""
@@ -51,6 +51,13 @@ def repaired(normals: np.ndarray, positions: np.ndarray, faces: np.ndarray) -> n
         normals = np.where(broken[:, None], around, normals)
         lengths = np.linalg.norm(normals, axis=1)
     return normals / lengths[:, None]
+
+
+def with_winding(normals: np.ndarray, positions: np.ndarray, faces: np.ndarray) -> np.ndarray:
+    """Normals (V, 3), negated if most of the area is wound against them: the winding says which side is outside."""
+    areas = np.linalg.norm(doubled_areas(positions, faces), axis=1)
+    turned = turned_over(positions, faces, normals)
+    return -normals if areas[turned].sum() > areas[~turned].sum() else normals
 
 
 def creased(positions: np.ndarray, faces: np.ndarray, crease: float = CREASE) -> tuple[np.ndarray, ...]:

@@ -66,7 +66,7 @@ def _opened(source: Source, above: tuple[Path, ...]) -> tuple[Scene, Settings]:
         choice = choice or FaceChoice()
         return check_scene(replace_mirror(scene, chosen_faces(path, choice), choice.density, name)), settings
     if name in gallery.names():
-        return check_scene(gallery.make(name)), Settings(method=gallery.SCENES[name].method)
+        return check_scene(gallery.make(name)), Settings()
     if suffix == ".toml":
         return scene_in(read_tables(path), above)
     if suffix in SUFFIXES:

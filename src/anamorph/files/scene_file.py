@@ -39,7 +39,7 @@ class Settings:
     """
 
     size: tuple[int, int] = DEFAULT_SIZE
-    method: str = "pervertex"
+    method: str = "auto"
     view: Table | None = None
 
 

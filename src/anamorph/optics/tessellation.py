@@ -1,4 +1,4 @@
-"""Whether a specular mesh is fine enough for an image, and a scene whose meshes are.
+"""Whether a specular mesh is fine enough for an image, inside and at its outline, and a scene whose meshes are.
 
 Between its vertices a mesh has interpolated normals. Where the exact surface is known, so is what they are wrong by,
 and how many pixels that is once a ray has been bent there: the error of the ray over what the ray turns in a pixel.
@@ -6,6 +6,7 @@ and how many pixels that is once a ray has been bent there: the error of the ray
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -15,12 +16,16 @@ from anamorph.optics.laws import reflect, refract
 from anamorph.scene.camera import Camera
 from anamorph.scene.model import Glass, Material, Mesh, Scene
 from anamorph.scene.subdivision import split
+from anamorph.surfaces.plane import Plane
 
 MOST_CUTS = 6
 MOST_TRIANGLES = 200_000
 
 SMALLEST = 1.0
 """Triangles smaller than this are not cut, in pixels."""
+
+OUTLINE = 0.33
+"""How far the edges of a mesh may leave its exact surface, in pixels: its outline then lies within half a pixel."""
 
 SAMPLES = ([0, 1], [1, 2], [2, 0], [0, 1, 2])
 """Where normals are compared: in the middle of each edge of a triangle, and in its own, by the corners around."""
@@ -99,6 +104,54 @@ def refined_scene(scene: Scene, size: tuple[int, int], tolerance: float) -> Scen
     """
     if not 0.0 < tolerance < np.inf:
         raise AnamorphError(f"tolerance is {tolerance:g}; give a positive number of pixels")
+
+    def errors_of(mesh: Mesh) -> np.ndarray:
+        errors, areas = normal_errors(mesh, scene.camera, size)
+        return np.where(areas > SMALLEST, errors, 0.0)
+
+    return _refined(scene, errors_of, tolerance)
+
+
+def outlined_scene(scene: Scene, camera: Camera, size: tuple[int, int]) -> Scene:
+    """A scene whose mirrors and lenses have the outlines of their exact surfaces, to half a pixel.
+
+    That is for meshes that turn away from the camera somewhere: between their vertices, none of their edges
+    leaves the surface by more than that at its own distance from the eye. Where a surface ends, its border is the
+    mesh's: straight from vertex to vertex, and where that is cut, along the surface. Edges are cut as by
+    `refined_scene`.
+
+    Parameters
+    ----------
+    scene : Scene
+    camera : Camera
+    size : (width, height)
+
+    Returns
+    -------
+    Scene
+        With the same objects in the same order, and in each mesh the vertices that were there before, first.
+    """
+    return _refined(scene, lambda mesh: outline_errors(mesh, camera, size), OUTLINE)
+
+
+def outline_errors(mesh: Mesh, camera: Camera, size: tuple[int, int]) -> np.ndarray:
+    """How far the edges of each triangle leave its exact surface, (F,) float64, pixels at its distance from the eye.
+
+    It is told from the normals at their ends, as of an arc; 0 for a mesh that does not turn away from the eye anywhere.
+    """
+    eye, positions = np.asarray(camera.position, float), np.asarray(mesh.positions, float)
+    facing = np.einsum("vi,vi->v", eye - positions, mesh.normals)
+    if isinstance(mesh.surface, Plane) or facing.min() >= 0.0 or facing.max() <= 0.0:
+        return np.zeros(len(mesh.faces))
+    corners, normals = positions[mesh.faces], np.asarray(mesh.normals, float)[mesh.faces]
+    edges, turns = (np.roll(each, -1, axis=1) - each for each in (corners, normals))
+    leaves = np.abs(np.einsum("fei,fei->fe", edges, turns)).max(axis=1) / 8.0
+    distance = np.linalg.norm(corners - eye, axis=2).min(axis=1)
+    return leaves / np.maximum(distance, leaves) * size[1] / (2.0 * np.tan(np.radians(camera.field_of_view) / 2.0))
+
+
+def _refined(scene: Scene, errors_of: Callable[[Mesh], np.ndarray], tolerance: float) -> Scene:
+    """A scene whose triangles are cut until their errors, (F,) for a mesh, are no more than the tolerance."""
     chosen = [
         number
         for number, mesh in enumerate(scene.meshes)
@@ -106,12 +159,10 @@ def refined_scene(scene: Scene, size: tuple[int, int], tolerance: float) -> Scen
     ]
     meshes = list(scene.meshes)
     for _ in range(MOST_CUTS if chosen else 0):
-        errors, areas = map(
-            np.concatenate, zip(*(normal_errors(meshes[number], scene.camera, size) for number in chosen), strict=True)
-        )
+        errors = np.concatenate([errors_of(meshes[number]) for number in chosen])
         # Cutting the three edges of a triangle makes three more of it, and one more of each neighbour.
         most = max(MOST_TRIANGLES - len(errors), 0) // 6
-        coarse = np.flatnonzero((errors > tolerance) & (areas > SMALLEST))
+        coarse = np.flatnonzero(errors > tolerance)
         coarse = coarse[np.argsort(-errors[coarse], kind="stable")][:most]
         if not len(coarse):
             break
@@ -122,7 +173,7 @@ def refined_scene(scene: Scene, size: tuple[int, int], tolerance: float) -> Scen
             break
         cuts = np.split(np.isin(edges, wanted), np.cumsum([len(mesh.faces) for mesh in refined[:-1]]))
         for number, cut in zip(chosen, cuts, strict=True):
-            meshes[number] = split(meshes[number], cut)
+            meshes[number] = split(meshes[number], cut) if cut.any() else meshes[number]
     return replace(scene, meshes=tuple(meshes))
 
 

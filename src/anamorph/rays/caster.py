@@ -23,6 +23,12 @@ from anamorph.scene.geometry import Geometry
 
 GRAIN = 8192
 
+ROUNDING = 4.0 * 2.0**-23
+"""What float32 may put a place off by, on a ray, as a share of its coordinates: four units in the last place."""
+
+LEAST_STEP = 1e-12
+"""Metres: a ray goes on by this at least, where its coordinates are zeros."""
+
 
 @dataclass(frozen=True, eq=False)
 class Hits:
@@ -111,9 +117,15 @@ def direct_works() -> bool:
     )
 
 
-def _near(positions: np.ndarray) -> float:
-    """What a ray is uncertain by, which is rounded to float32: more than 6e-8 of the coordinates."""
-    return 1e-6 * float(max(positions.max(initial=0.0), -positions.min(initial=0.0)))
+def beyond(origins: ArrayLike, directions: ArrayLike, distances: ArrayLike = 0.0) -> np.ndarray:
+    """The near distances, (N,), of rays that go on beyond what they met at `distances`: at their origins by default.
+
+    It is the rounding of the ray's own place that they pass, however large the scene is.
+    """
+    origins, directions = np.asarray(origins, float), np.asarray(directions, float)
+    lengths = np.linalg.norm(directions, axis=1)
+    places = np.abs(origins).max(axis=1, initial=0.0) / np.where(lengths > 0.0, lengths, 1.0)
+    return distances + np.maximum(ROUNDING * (places + distances), LEAST_STEP)
 
 
 def _standing(geometry: Geometry) -> embree.EmbreeForest:
@@ -144,8 +156,6 @@ class Caster:
     ----------
     way : str
         "embree" (the C interface, all the cores) or "embreex" (the wrapper, one core).
-    near : float
-        A distance, in metres, below which a ray cannot tell a surface from the one that it leaves.
     """
 
     def __init__(self, geometry: Geometry) -> None:
@@ -155,7 +165,6 @@ class Caster:
         self.way = "embree" if wanted == "embree" and direct_works() else "embreex"
         self._faces = geometry.faces
         self._tree = self._embree(lambda: _standing(geometry)) or _Wrapper(geometry.positions, geometry.faces)
-        self.near = _near(geometry.positions)
 
     def _embree(self, make: Callable[[], embree.EmbreeForest]) -> embree.EmbreeForest | None:
         """What is made for the C interface; None where that cannot be used, or no longer."""
@@ -173,7 +182,6 @@ class Caster:
         wherever the vertices go, but slows the rays the more the further neighbours part. The wrapper builds anew.
         """
         upkeep = embree.Upkeep.REBUILD if rebuild else embree.Upkeep.REFIT
-        self.near = _near(positions)
         self._tree = self._embree(lambda: self._follow(positions, upkeep)) or _Wrapper(positions, self._faces)
 
     def _follow(self, positions: np.ndarray, upkeep: embree.Upkeep) -> embree.EmbreeForest:
@@ -192,7 +200,7 @@ class Caster:
         ----------
         origins, directions : (N, 3) array
         near : float or (N,) array
-            Hits nearer than this do not count. Rays that leave a surface start at `Caster.near`.
+            Hits nearer than this do not count. Rays that leave a surface start where `beyond` says.
         coherent : bool
             Neighbours in the arrays are neighbours in space, as pixels are: twice as fast where it is so.
 

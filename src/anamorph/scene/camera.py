@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from anamorph.base.vectors import Vector
+from anamorph.base.vectors import Vector, tuple_of
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,6 +55,11 @@ class Camera:
     target: Vector
     up: Vector = (0.0, 1.0, 0.0)
     field_of_view: float = 40.0
+
+    def moved(self, by: np.ndarray) -> Camera:
+        """The same camera elsewhere, moved along a vector (3,)."""
+        position, target = (tuple_of(np.add(place, by)) for place in (self.position, self.target))
+        return replace(self, position=position, target=target)
 
     def axes(self) -> np.ndarray:
         """Rows: unit vectors to the right, up, and forward in world space, (3, 3) float64."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -9,6 +10,7 @@ from trimesh.triangles import closest_point
 
 from anamorph.base.errors import AnamorphError
 from anamorph.scene.camera import Camera
+from anamorph.scene.lens_pairs import least_edge, lens_pairs
 from anamorph.scene.model import (
     AmbientLight,
     Diffuse,
@@ -22,7 +24,7 @@ from anamorph.scene.model import (
     Sky,
     Texture,
 )
-from anamorph.scene.triangles import doubled_areas, has_area
+from anamorph.scene.triangles import doubled_areas, has_area, turned_over
 
 TOUCHING = 1e-5
 """An eye nearer to a mirror than this share of the mirror's size is on it."""
@@ -36,6 +38,13 @@ FARTHEST = 1e9
 
 SMALLEST_SHARE = 1e-5
 """A mesh smaller than this share of its coordinates has fewer than 200 float32 steps across."""
+
+
+KNIFE = 1e-5
+"""The least thickness of a lens's edge, as a share of the lens's size."""
+
+TURNED_OVER = 1e-2
+"""The share of a mirror's or lens's area that may be wound against its normals: slivers, between normals that bend."""
 
 
 def check_scene(scene: Scene) -> Scene:
@@ -55,6 +64,7 @@ def check_contents(scene: Scene) -> Scene:
             f"scene '{scene.name}': has {len(scene.meshes)} meshes, and {MOST_MESHES} can be told apart; join some"
         )
     meshes = tuple(_checked(mesh) for mesh in scene.meshes)
+    _check_lenses(meshes)
     for number, light in enumerate(scene.lights, start=1):
         _check_light(light, f"scene '{scene.name}': light {number}")
     _check_sky(scene.sky, f"scene '{scene.name}': sky")
@@ -105,11 +115,11 @@ def _are_numbers(values: object, shape: tuple[int, ...] = ()) -> bool:
 
 
 def _check_place(where: str, positions: np.ndarray) -> None:
-    """Near enough to the origin for float32."""
+    """Near enough to the origin for what its coordinates have been rounded to."""
     farthest, extent = float(np.abs(positions).max()), float(np.ptp(np.asarray(positions, float), axis=0).max())
     if farthest > FARTHEST:
         raise AnamorphError(f"{where}: has a coordinate of {farthest:.3g}; scale it to metres, within {FARTHEST:.0e}")
-    if extent < SMALLEST_SHARE * farthest:
+    if extent < SMALLEST_SHARE * farthest and (positions == positions.astype(np.float32)).all():
         raise AnamorphError(
             f"{where}: is {extent:.3g} m large and {farthest:.3g} m from the origin, too far for float32; "
             "translate everything to the origin, or remove the part"
@@ -146,7 +156,32 @@ def _checked(mesh: Mesh) -> Mesh:
     if np.abs(lengths - 1.0).max() > 1e-2:
         raise AnamorphError(f"{where}: normals are not of length 1; divide each by its length")
     _check_material(mesh, where)
-    return mesh if kept.all() else replace(mesh, faces=mesh.faces[kept])
+    checked = mesh if kept.all() else replace(mesh, faces=mesh.faces[kept])
+    if mesh.specular:
+        _check_winding(checked, where)
+    return checked
+
+
+def _check_winding(mesh: Mesh, where: str) -> None:
+    """One outside: methods that go by the winding and those that go by normals must see the same side."""
+    turned = turned_over(mesh.positions, mesh.faces, mesh.normals)
+    areas = np.linalg.norm(doubled_areas(mesh.positions, mesh.faces), axis=1)
+    if areas[turned].sum() > TURNED_OVER * areas.sum():
+        raise AnamorphError(
+            f"{where}: its normals point against its winding at {turned.sum()} of {len(turned)} triangles; negate the "
+            "normals there, or turn the triangles over"
+        )
+
+
+def _check_lenses(meshes: Sequence[Mesh]) -> None:
+    """Faces with glass between them all the way around: else light that goes in has no defined way out."""
+    for lens in lens_pairs(meshes):
+        front, back = meshes[lens.front], meshes[lens.back]
+        thickness = least_edge(front, back)
+        least = KNIFE * np.linalg.norm(np.ptp(np.asarray(front.positions, float), axis=0))
+        if thickness <= least:
+            wrong = f"cross by {-1e3 * thickness:.3g} mm" if thickness < -least else "meet in a sharp edge, 0 mm thick"
+            raise AnamorphError(f"lens '{lens.name}': its faces {wrong} at the border; make it thicker or smaller")
 
 
 def _check_shape(where: str, name: str, values: np.ndarray, shape: tuple[int, int]) -> None:

@@ -68,8 +68,8 @@ class Mesh:
     ----------
     name : str
         What commands, scene files and messages call this part.
-    positions : (V, 3) float32
-        Vertices, metres.
+    positions : (V, 3) float64 or float32
+        Vertices, metres. They are rounded to float32 when the scene is drawn, after it has been moved to the origin.
     faces : (F, 3) int32
         Vertex indices, counter-clockwise seen from outside.
     normals : (V, 3) float32
@@ -123,7 +123,7 @@ class Mesh:
         normals = surface.normal(parameters) if toward is None else surface.normals_toward(parameters, toward[None])
         return cls(
             name=name,
-            positions=(positions if decimals is None else np.round(positions, decimals)).astype(np.float32),
+            positions=positions if decimals is None else np.round(positions, decimals),
             faces=faces.astype(np.int32),
             normals=normals.astype(np.float32),
             material=material,
@@ -154,7 +154,7 @@ class Mesh:
             parameters = by.scale * parameters
         return replace(
             self,
-            positions=by.points(self.positions).astype(np.float32),
+            positions=by.points(self.positions),
             normals=by.directions(self.normals).astype(np.float32),
             surface=None if surface is None else surface.moved(by),
             parameters=parameters,

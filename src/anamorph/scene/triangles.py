@@ -14,6 +14,11 @@ def doubled_areas(positions: np.ndarray, faces: np.ndarray) -> np.ndarray:
     return np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
 
 
+def turned_over(positions: np.ndarray, faces: np.ndarray, normals: np.ndarray) -> np.ndarray:
+    """Which triangles are wound against the vertices' normals (V, 3), (F,) bool."""
+    return np.einsum("fi,fi->f", doubled_areas(positions, faces), np.asarray(normals, float)[faces].sum(axis=1)) < 0.0
+
+
 def has_area(positions: np.ndarray, faces: np.ndarray) -> np.ndarray:
     """Which triangles are more than a point or a line, (F,) bool."""
     corners = np.asarray(positions, float)[faces]

@@ -14,6 +14,7 @@ import numpy as np
 from anamorph.base.compiled import compiled, inlined
 from anamorph.base.vectors import Vector, along, cross, dot, unit
 from anamorph.frame import Status
+from anamorph.methods.tracing.leaving import LEAST_CLIMB, climb, corner_of, put_back, rounding, side_and_size
 from anamorph.surfaces.intersection import NONE, PATCHES, PLANE, meet
 
 DIFFUSE, MIRROR, GLASS = range(3)
@@ -50,8 +51,8 @@ class World(NamedTuple):
     """(N,) float64: the numbers of all of them, one after the other."""
     first_number: np.ndarray
     """(objects + 2,) int64: object i owns numbers first_number[i] to first_number[i + 1]."""
-    near: float
-    """`Caster.near`, metres."""
+    lens: np.ndarray
+    """(objects + 1,) int64: the number of the lens, from 1, of which this object is a face or the edge; else 0."""
     max_bounces: int
 
 
@@ -96,8 +97,11 @@ class Paths(NamedTuple):
     """(N,) bool: whether some glass disperses that was met."""
     left: np.ndarray
     """(N,) int64: the object that the ray leaves, positive on its outside and negative inside; 0 for the eye."""
+    source: np.ndarray
+    """(N,) int64: the triangle that the ray leaves; -1 for the eye, and once it has been put back into its lens."""
     skin: np.ndarray
-    """(N,) float64: how far from there the mesh can still be in the way of its own exact surface."""
+    """(N,) float64: how far from there the mesh can still be in the way of its own exact surface; 0 where both are
+    flat, or there is none."""
 
     @classmethod
     def reserved(cls, count: int) -> Paths:
@@ -117,13 +121,9 @@ class Paths(NamedTuple):
             total=number(count, np.bool_),
             dispersed=number(count, np.bool_),
             left=number(count, integer),
+            source=number(count, integer),
             skin=number(count),
         )
-
-
-@inlined
-def _corner(positions: np.ndarray, vertex: int) -> Vector:
-    return (np.float64(positions[vertex, 0]), np.float64(positions[vertex, 1]), np.float64(positions[vertex, 2]))
 
 
 @inlined
@@ -131,7 +131,7 @@ def _blend(values: np.ndarray, face: np.ndarray, weights: Vector) -> Vector:
     """Values (V, 3) at the three vertices of `face`, weighted."""
     total = (0.0, 0.0, 0.0)
     for corner in range(3):
-        total = along(total, weights[corner], _corner(values, face[corner]))
+        total = along(total, weights[corner], corner_of(values, face[corner]))
     return total
 
 
@@ -234,9 +234,9 @@ def _bend(
     crosses : bool
         Whether the ray goes on on the other side.
     """
-    a = _corner(world.positions, face[0])
-    edge_1 = along(_corner(world.positions, face[1]), -1.0, a)
-    edge_2 = along(_corner(world.positions, face[2]), -1.0, a)
+    a = corner_of(world.positions, face[0])
+    edge_1 = along(corner_of(world.positions, face[1]), -1.0, a)
+    edge_2 = along(corner_of(world.positions, face[2]), -1.0, a)
     area = cross(edge_1, edge_2)
     square, slope = dot(area, area), dot(area, direction)
     # Where the ray meets the flat triangle, in float64.
@@ -271,8 +271,9 @@ def _bend(
     if not exact:
         # An interpolated normal can send the ray through the flat triangle: it stays on its side.
         height = dot(bent, geometric)
-        if (height > 0.0) == crosses:
-            bent = unit(along(bent, -height, geometric))
+        least = -LEAST_CLIMB if crosses else LEAST_CLIMB
+        if (height < least) != crosses:
+            bent = unit(along(bent, least - height, geometric))
     return along(origin, distance, direction), bent, transmittance, crosses
 
 
@@ -288,12 +289,18 @@ def _far_face(rays: VertexRays, item: int, face: np.ndarray) -> int:
 
 
 @inlined
-def _outside(world: World, face: np.ndarray, direction: Vector) -> tuple[bool, float]:
-    """Whether a ray hits a triangle's front, and the length of its longest edge."""
-    a, b, c = _corner(world.positions, face[0]), _corner(world.positions, face[1]), _corner(world.positions, face[2])
-    edge_1, edge_2, edge_3 = along(b, -1.0, a), along(c, -1.0, b), along(a, -1.0, c)
-    longest = math.sqrt(max(dot(edge_1, edge_1), dot(edge_2, edge_2), dot(edge_3, edge_3)))
-    return dot(cross(edge_1, edge_2), direction) < 0.0, longest
+def _keep(paths: Paths, i: int, going: int, origin: Vector, direction: Vector) -> None:
+    """Move path i, which goes on along this ray, to the front."""
+    for axis in range(3):
+        paths.origin[going, axis], paths.direction[going, axis] = origin[axis], direction[axis]
+        paths.throughput[going, axis] = paths.throughput[i, axis]
+    paths.pixel[going], paths.specular[going], paths.bounces[going] = (
+        paths.pixel[i],
+        paths.specular[i],
+        paths.bounces[i],
+    )
+    paths.total[going], paths.dispersed[going] = paths.total[i], paths.dispersed[i]
+    paths.left[going], paths.skin[going], paths.source[going] = paths.left[i], paths.skin[i], paths.source[i]
 
 
 @compiled
@@ -312,21 +319,34 @@ def advance(world: World, paths: Paths, count: int, rays: VertexRays, records: n
     for i in range(count):
         triangle = paths.triangle[i]
         item = np.int64(world.face_object[triangle]) if triangle >= 0 else 0
-        material = world.material[item]
+        material, left, skin = world.material[item], paths.left[i], paths.skin[i]
+        origin = (paths.origin[i, 0], paths.origin[i, 1], paths.origin[i, 2])
+        direction = (paths.direction[i, 0], paths.direction[i, 1], paths.direction[i, 2])
+        # A face is curved and its mesh is not, so that a ray within glass can start beyond the seam of a lens's edge.
+        lens = world.lens[-left] if left < 0 and paths.source[i] >= 0 else 0
+        if lens != 0 and world.lens[item] != lens:
+            origin = put_back(world.positions, world.faces[paths.source[i]], origin)
+            _keep(paths, i, going, origin, direction)
+            paths.source[going], paths.near[going], paths.skin[going] = -1, 0.0, max(skin, rounding(origin, 0.0))
+            going += 1
+            continue
         if material == DIFFUSE:
             _finish(records, words, paths, i, False)
             continue
-        face, left, skin = world.faces[triangle], paths.left[i], paths.skin[i]
-        origin = (paths.origin[i, 0], paths.origin[i, 1], paths.origin[i, 2])
-        direction = (paths.direction[i, 0], paths.direction[i, 1], paths.direction[i, 2])
-        outside, longest = _outside(world, face, direction)
+        face = world.faces[triangle]
+        outside, longest = side_and_size(world.positions, face, direction)
         curved = world.surface[item] != NONE and world.surface[item] != PLANE
         kind = world.surface[item]
         # Patches of one body meet along borders where the one's mesh can stand before the other's surface.
         related = abs(left) == item or (kind == world.surface[abs(left)] and kind in PATCHES)
         # An exact surface and its mesh do not coincide: a ray that leaves the one may first have to pass the other,
-        # from the side it cannot be on. Rounding does the same to a flat one.
-        passes = left != 0 and related and (left > 0) != outside and paths.distance[i] < skin
+        # from the side it cannot be on. A flat triangle cannot be met by what leaves it, nor can what lies behind it.
+        passes = left != 0 and related and skin == 0.0 and triangle == paths.source[i]
+        if left != 0 and related and (left > 0) != outside and not passes:
+            passes = paths.distance[i] < skin
+            if skin == 0.0:
+                height = paths.distance[i] * climb(world.positions, world.faces[paths.source[i]], left, direction)
+                passes = height < rounding(origin, paths.distance[i] + longest)
         if not passes:
             if material == MIRROR and not outside:
                 _finish(records, words, paths, i, False)
@@ -339,7 +359,7 @@ def advance(world: World, paths: Paths, count: int, rays: VertexRays, records: n
 
         transmittance, tinted, total, dispersed, far = 1.0, False, paths.total[i], paths.dispersed[i], 0
         if passes:
-            near = paths.distance[i] * (1.0 + 1e-6) + world.near
+            near = paths.distance[i] + rounding(origin, paths.distance[i])
         else:
             both = outside and paths.bounces[i] + 2 <= world.max_bounces
             far = _far_face(rays, item, face) if both else 0
@@ -349,16 +369,14 @@ def advance(world: World, paths: Paths, count: int, rays: VertexRays, records: n
             tinted = material == MIRROR or crosses
             total, dispersed = total or not tinted, dispersed or world.disperses[item]
             left = far if far else item if outside != crosses else -item
-            near, skin = world.near, longest if curved else 100.0 * world.near
+            near, skin, paths.source[i] = rounding(origin, 0.0), longest if curved or far else 0.0, triangle
+        _keep(paths, i, going, origin, direction)
         for axis in range(3):
-            paths.origin[going, axis], paths.direction[going, axis] = origin[axis], direction[axis]
             factor = transmittance * world.tint[item, axis] if tinted else transmittance
             # A lens is crossed at two faces at once.
-            factor *= world.tint[far, axis] if far else 1.0
-            paths.throughput[going, axis] = paths.throughput[i, axis] * factor
-        paths.pixel[going], paths.specular[going] = paths.pixel[i], paths.specular[i]
-        paths.bounces[going], paths.total[going] = paths.bounces[i] + (0 if passes else 2 if far else 1), total
-        paths.dispersed[going] = dispersed
+            paths.throughput[going, axis] *= factor * (world.tint[far, axis] if far else 1.0)
+        paths.bounces[going] += 0 if passes else 2 if far else 1
+        paths.total[going], paths.dispersed[going] = total, dispersed
         paths.left[going], paths.skin[going], paths.near[going] = left, skin, near
         going += 1
     return going

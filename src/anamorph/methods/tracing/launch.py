@@ -113,6 +113,7 @@ def _begin(paths: Paths, i: int, pixel: int, origin: Vector, direction: Vector) 
         paths.origin[i, axis], paths.direction[i, axis], paths.throughput[i, axis] = origin[axis], direction[axis], 1.0
     paths.near[i], paths.pixel[i], paths.total[i], paths.dispersed[i] = 0.0, pixel, False, False
     paths.specular[i], paths.bounces[i], paths.left[i], paths.skin[i] = 0, 0, 0, 0.0
+    paths.source[i] = -1
 
 
 @compiled

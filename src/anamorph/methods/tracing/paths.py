@@ -19,6 +19,7 @@ from anamorph.optics.ray_meshes import Line, bodies_of
 from anamorph.rays.caster import Caster
 from anamorph.scene.camera import Camera
 from anamorph.scene.geometry import Geometry
+from anamorph.scene.lens_pairs import lens_pairs
 from anamorph.scene.model import Glass, Mirror, Scene
 from anamorph.surfaces.intersection import pack
 
@@ -60,7 +61,7 @@ class PathTracer:
         if not 0 <= max_bounces <= 255:
             raise AnamorphError(f"max_bounces is {max_bounces}; choose 0 to 255")
         self._caster = caster
-        self._worlds = _worlds(scene, geometry, caster.near, max_bounces)
+        self._worlds = _worlds(scene, geometry, max_bounces)
         self.disperses = bool(self._worlds[1].disperses.any())
         self._geometry = geometry
         self._bodies = bodies_of(scene, geometry) if truth == "raymesh" else None
@@ -69,8 +70,7 @@ class PathTracer:
     def moved(self, geometry: Geometry) -> None:
         """Follow the scene's vertices to where they are in `geometry`; its caster has followed already."""
         self._worlds = [
-            world._replace(positions=geometry.positions, normals=geometry.normals, near=self._caster.near)
-            for world in self._worlds
+            world._replace(positions=geometry.positions, normals=geometry.normals) for world in self._worlds
         ]
 
     def tracing(self, first: FirstRays, records: np.ndarray | None = None) -> Tracing:
@@ -197,7 +197,7 @@ class PathTracer:
         return vertex_rays(self._bodies, self._geometry, first.camera.eye(first.size), line)
 
 
-def _worlds(scene: Scene, geometry: Geometry, near: float, max_bounces: int) -> list[World]:
+def _worlds(scene: Scene, geometry: Geometry, max_bounces: int) -> list[World]:
     """The scene for red, green and blue light."""
     count = len(scene.meshes) + 1
     material, surface = np.full((2, count), DIFFUSE, np.int64)
@@ -216,9 +216,18 @@ def _worlds(scene: Scene, geometry: Geometry, near: float, max_bounces: int) -> 
     world = World(
         geometry.positions, geometry.normals, parameters, geometry.faces, geometry.face_object,
         material, tint, constant[1], constant[0] != constant[2], surface,
-        np.concatenate(numbers), np.cumsum([0, *map(len, numbers)]), near, max_bounces,
+        np.concatenate(numbers), np.cumsum([0, *map(len, numbers)]), _lenses(scene), max_bounces,
     )  # fmt: skip
     return [world._replace(constant=line) for line in constant]
+
+
+def _lenses(scene: Scene) -> np.ndarray:
+    """The number of the lens that each object belongs to, (objects + 1,) int64: of those that an edge closes."""
+    numbers = np.zeros(len(scene.meshes) + 1, np.int64)
+    for number, lens in enumerate(lens_pairs(scene.meshes), start=1):
+        if lens.edge is not None:
+            numbers[[lens.front + 1, lens.back + 1, lens.edge + 1]] = number
+    return numbers
 
 
 def specular_rectangle(scene: Scene, camera: Camera, size: tuple[int, int]) -> Rectangle | None:

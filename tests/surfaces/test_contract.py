@@ -276,3 +276,10 @@ def test_another_surface_takes_its_file_and_one_entry(monkeypatch):
         kind, numbers = pack(surface)
         assert surfaces[kind - 1] is type(surface)
         assert meet(kind, numbers, *ray) == (True, 0.75, (0.0, 0.0, 1.0))
+
+
+def test_machine_code_that_is_kept_cannot_take_one_dispatch_for_another():
+    # By their names it finds the functions that it calls, also those of the process that has loaded it.
+    several = [dispatch(intersection.SURFACES[first:]) for first in range(len(intersection.SURFACES))]
+    several.append(dispatch((*intersection.SURFACES, Paraboloid)))
+    assert len({each.py_func.__qualname__ for each in several}) == len(several)

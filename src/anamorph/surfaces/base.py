@@ -6,7 +6,8 @@ To add another surface:
    `meet`. One that is a height above a plane derives from `SagSurface` (sag.py), and one with two parameters and
    derivatives from `Patch` (patch.py); these leave little to write.
 2. Add the class to `SURFACES` in intersection.py.
-3. Add some of it to `SURFACES` in tests/surface_instances.py: the contract test then holds it to every law.
+3. Add it to device_numbers.py and meet.wgsl; until then the device bends its rays at the mesh.
+4. Add some of it to `SURFACES` in tests/surface_instances.py: the contract test then holds it to every law.
 """
 
 from __future__ import annotations

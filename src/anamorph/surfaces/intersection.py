@@ -49,7 +49,8 @@ def dispatch(surfaces: tuple[type[Surface], ...]) -> Callable:
     """
     found = _none
     for kind in range(len(surfaces), 0, -1):
-        found = _own_or_other(kind, surfaces[kind - 1].meet, found)
+        name = "_or_".join(each.__name__ for each in surfaces[kind - 1 :])
+        found = _own_or_other(name, kind, surfaces[kind - 1].meet, found)
     return found
 
 
@@ -58,15 +59,17 @@ def _none(kind, numbers, origin, direction, distance, u, v, facing):
     return False, distance, (0.0, 0.0, 0.0)
 
 
-def _own_or_other(own_kind: int, own: Callable, other: Callable) -> Callable:
-    # Part of the machine code of `meet`, which is kept on disk; on its own it could not be found there again.
-    @numba.njit(nogil=True, error_model="numpy", _nrt=False)
+def _own_or_other(name: str, own_kind: int, own: Callable, other: Callable) -> Callable:
     def own_or_other(kind, numbers, origin, direction, distance, u, v, facing):
         if kind == own_kind:
             return own(numbers, origin, direction, distance, u, v, facing)
         return other(kind, numbers, origin, direction, distance, u, v, facing)
 
-    return own_or_other
+    # Machine code that was kept on disk finds a function by its name and a number that starts anew in each process: of
+    # two that have one name it can take the wrong one.
+    own_or_other.__qualname__ = name
+    # Part of the machine code of `meet`, which is kept on disk; on its own it could not be found there again.
+    return numba.njit(own_or_other, nogil=True, error_model="numpy", _nrt=False)
 
 
 _meet_any = dispatch(SURFACES)

@@ -21,12 +21,13 @@ class Status(IntEnum):
 
     DIRECT = 0
     WARPED = 1
-    REFINED = 2
+    PROVED = 2
     TRACED = 3
     SKY = 4
     TOTAL_REFLECTION = 5
     OUTSIDE = 6
     PROJECTED = 7
+    DOUBTFUL = 8
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,7 +67,8 @@ class Frame:
     color : (H, W, 3) float32
         Linear Rec. 709.
     position : (H, W, 3) float32, optional
-        World point seen at the end of the pixel's path; where `object_id` is 0 (sky), the unit direction seen.
+        World point seen at the end of the pixel's path; where `object_id` is 0 (sky), the unit direction seen. Float64
+        in a scene far from the origin.
     object_id : (H, W) uint32, optional
         The object seen at the end of the path: index into `Scene.meshes` plus one, or 0 for the sky.
     specular : (H, W) uint32, optional
@@ -77,7 +79,8 @@ class Frame:
         The angle between the pixel's own ray and the direction to the point that it shows, radians: what the method
         itself knows of its error.
     ray_origin, ray_direction : (H, W, 3) float32, optional
-        The last ray of each pixel's path, from methods that have one for every pixel; zero where there is none.
+        The last ray of each pixel's path, from methods that have one for every pixel; the direction is zero where there
+        is none. Origins are float64 in a scene far from the origin.
     ray_mesh : bool
         Whether the camera was a ray mesh.
     figures : mapping of str to float

@@ -30,7 +30,7 @@ LOSS = textwrap.dedent(
     from scenes import scene_with, spherical_mirror
 
     SCENE = scene_with(spherical_mirror())
-    KINDS = [*METHODS, "pervertex:antialias=4,overlay=mesh,mipmaps=true", "trilinear:antialias=4",
+    KINDS = [*METHODS, "pervertex:map=image,antialias=4,overlay=mesh", "trilinear:antialias=4",
              "trilinear:edges=straight"]
 
     def drawn(kind):

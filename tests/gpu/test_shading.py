@@ -256,7 +256,14 @@ def test_the_skys_image_has_its_centre_at_minus_z_and_its_top_up():
 
 
 @pytest.mark.parametrize(
-    "method", ["pervertex:bounces=1", "pervertex:bounces=1,antialias=4", "environment", "raytrace"]
+    "method",
+    [
+        "pervertex",
+        "pervertex:map=image,bounces=1",
+        "pervertex:map=image,bounces=1,antialias=4",
+        "environment",
+        "raytrace",
+    ],
 )
 def test_an_image_of_one_colour_is_the_sky_of_that_colour(method):
     """Directly, in mirrors, and where a mirror has nothing else to show: two drawings, one of which knows no image."""

@@ -19,6 +19,11 @@ def texture(view: str = "2d", filterable: bool = True) -> dict[str, Any]:
     return {"texture": {"view_dimension": view, "sample_type": "float" if filterable else "unfilterable-float"}}
 
 
+def numbers() -> dict[str, Any]:
+    """The entry of a texture of whole numbers."""
+    return {"texture": {"view_dimension": "2d", "sample_type": "uint"}}
+
+
 def layout_of(*entries: dict[str, Any], stages: int = wgpu.ShaderStage.FRAGMENT) -> wgpu.GPUBindGroupLayout:
     """A layout with bindings 0, 1, ... for `stages`; whoever asks for the same gets the same."""
     numbered = [{"binding": number, "visibility": stages, **entry} for number, entry in enumerate(entries)]

@@ -103,7 +103,6 @@ class ScenePipelines:
 
 OUTPUTS: dict[str, tuple[str, ...]] = {
     "color": (COLOR_FORMAT,),
-    "color_and_depth": (COLOR_FORMAT, *MAP_FORMATS),
     "depth": MAP_FORMATS,
     "end": MAP_FORMATS,
     "seen": SEEN_FORMATS,
@@ -111,7 +110,7 @@ OUTPUTS: dict[str, tuple[str, ...]] = {
 """What can be drawn, and the targets that it takes; fragment functions are called after it.
 
 Of a frame, shaded colour, and the seen buffers. Of a map, depth with its slopes, from which the map's reader finds the
-seen point; that and colour in one pass; and the point and the object at the end of a path."""
+seen point; and the point and the object at the end of a path."""
 
 
 @of_device
@@ -159,7 +158,7 @@ def draw_depth(
         extra(render_pass)
     render_pass.set_vertex_buffer(0, buffers.vertices)
     render_pass.set_index_buffer(buffers.indices, "uint32")
-    _draw_ranges(render_pass, pipelines.depth, buffers, _runs(_present(buffers, visible) & ~buffers.specular_meshes))
+    _draw_ranges(render_pass, pipelines.depth, buffers, runs(_present(buffers, visible) & ~buffers.specular_meshes))
 
 
 def _present(buffers: SceneBuffers, visible: np.ndarray | None) -> np.ndarray:
@@ -198,8 +197,8 @@ def draw_scene(
     render_pass.set_index_buffer(buffers.indices, "uint32")
     present = _present(buffers, visible)
     diffuse = present & ~buffers.specular_meshes
-    _draw_ranges(render_pass, pipelines.meshes, buffers, _runs(diffuse & buffers.textured))
-    _draw_ranges(render_pass, pipelines.plain, buffers, _runs(diffuse & ~buffers.textured))
+    _draw_ranges(render_pass, pipelines.meshes, buffers, runs(diffuse & buffers.textured))
+    _draw_ranges(render_pass, pipelines.plain, buffers, runs(diffuse & ~buffers.textured))
     mirrors = [index for index in buffers.mirrors if present[index]]
     _draw_ranges(render_pass, pipelines.backs, buffers, [(i, i + 1) for i in mirrors])
     _draw_ranges(render_pass, pipelines.stand_ins, buffers, [(i, i + 1) for i in mirrors if i not in replaced])
@@ -229,7 +228,7 @@ def _draw_ranges(
         render_pass.draw_indexed(3 * (end - start), 1, 3 * start)
 
 
-def _runs(chosen: np.ndarray) -> list[tuple[int, int]]:
+def runs(chosen: np.ndarray) -> list[tuple[int, int]]:
     """The runs, first to last (exclusive), of the numbers that are `chosen`."""
     edges = np.flatnonzero(np.diff(np.concatenate([[False], chosen, [False]])))
     return list(zip(edges[::2].tolist(), edges[1::2].tolist(), strict=True))

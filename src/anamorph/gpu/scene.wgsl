@@ -52,11 +52,12 @@ fn angle_between(a: vec3f, b: vec3f) -> f32 {
 
 const STATUS_DIRECT = 0u;
 const STATUS_WARPED = 1u;
-const STATUS_REFINED = 2u;
+const STATUS_PROVED = 2u;
 const STATUS_SKY = 4u;
 const STATUS_TOTAL_REFLECTION = 5u;
 const STATUS_OUTSIDE = 6u;
 const STATUS_PROJECTED = 7u;
+const STATUS_DOUBTFUL = 8u;
 
 fn seen_flags(specular: u32, status: u32) -> u32 {
     return specular | (status << 16u);
@@ -100,16 +101,6 @@ fn depth_vertex(@location(0) position: vec3f) -> @builtin(position) @invariant v
     return projection.clip * vec4f(position, 1.0);
 }
 
-fn shaded(fragment: SceneFragment) -> vec4f {
-    let paint = Paint(fragment.paint_color, fragment.texture_layer);
-    return vec4f(shade_painted(surface_point(fragment), paint, viewing_direction(fragment.pixel.xy)), 1.0);
-}
-
-fn stood_in(fragment: SceneFragment) -> vec4f {
-    let direction = normalize(viewing_direction(fragment.pixel.xy));
-    return vec4f(specular_stand_in(fragment.object, normalize(fragment.normal), direction, projection.base.w), 1.0);
-}
-
 fn sky(pixel: vec4f) -> vec4f {
     return vec4f(sky_color(viewing_direction(pixel.xy), projection.base.w), 1.0);
 }
@@ -130,32 +121,14 @@ fn depth_and_slopes(pixel: vec4f, object: u32) -> vec4f {
 // Diffuse meshes, and the backs of mirrors.
 @fragment
 fn scene_color(fragment: SceneFragment) -> @location(0) vec4f {
-    return shaded(fragment);
+    let paint = Paint(fragment.paint_color, fragment.texture_layer);
+    return vec4f(shade_painted(surface_point(fragment), paint, viewing_direction(fragment.pixel.xy)), 1.0);
 }
 
 @fragment
 fn stand_in_color(fragment: SceneFragment) -> @location(0) vec4f {
-    return stood_in(fragment);
-}
-
-struct ColorAndDepth {
-    @location(0) color: vec4f,
-    @location(1) depth: vec4f,
-}
-
-@fragment
-fn scene_color_and_depth(fragment: SceneFragment) -> ColorAndDepth {
-    return ColorAndDepth(shaded(fragment), depth_and_slopes(fragment.pixel, fragment.object));
-}
-
-@fragment
-fn stand_in_color_and_depth(fragment: SceneFragment) -> ColorAndDepth {
-    return ColorAndDepth(stood_in(fragment), depth_and_slopes(fragment.pixel, fragment.object) + FRONT);
-}
-
-@fragment
-fn far_sky_color_and_depth(@builtin(position) pixel: vec4f) -> ColorAndDepth {
-    return ColorAndDepth(sky(pixel), vec4f(0.0));
+    let direction = normalize(viewing_direction(fragment.pixel.xy));
+    return vec4f(specular_stand_in(fragment.object, normalize(fragment.normal), direction, projection.base.w), 1.0);
 }
 
 @fragment

@@ -158,6 +158,11 @@ fn sky_color(direction: vec3f, spread: f32) -> vec3f {
     return mix(lighting.horizon, select(lighting.nadir, lighting.zenith, unit.y > 0.0), sqrt(abs(unit.y)));
 }
 
+// Whether an object is a mirror or of glass.
+fn is_specular(number: u32) -> bool {
+    return objects[number - 1u].kind != DIFFUSE;
+}
+
 // A mirror's tint, and its reflectance at normal incidence.
 fn silver_of(number: u32) -> vec4f {
     return vec4f(objects[number - 1u].tint, objects[number - 1u].parameter);

@@ -16,7 +16,12 @@ DEPTH_FORMAT = "depth32float"
 SEEN_FORMATS = ("rgba32float", "r32uint", "r32float")
 MAP_FORMATS = ("rgba32float",)
 
-_USAGE = wgpu.TextureUsage.RENDER_ATTACHMENT | wgpu.TextureUsage.TEXTURE_BINDING | wgpu.TextureUsage.COPY_SRC
+_USAGE = (
+    wgpu.TextureUsage.RENDER_ATTACHMENT
+    | wgpu.TextureUsage.TEXTURE_BINDING
+    | wgpu.TextureUsage.COPY_SRC
+    | wgpu.TextureUsage.COPY_DST
+)
 
 
 @dataclass(frozen=True, eq=False)
@@ -115,6 +120,8 @@ def read_texture(texture: wgpu.GPUTexture) -> np.ndarray:
         "rgba16float": (np.float16, 4),
         "rgba8unorm": (np.uint8, 4),
         "rgba32float": (np.float32, 4),
+        "rgba32uint": (np.uint32, 4),
+        "rg32uint": (np.uint32, 2),
         "r32uint": (np.uint32, 1),
         "r32float": (np.float32, 1),
     }

@@ -38,14 +38,26 @@ class Session:
         Draws the specular meshes.
     antialias : int
         Samples a pixel: 1 or 4.
+    middles : callable, optional
+        Opens the same with one sample a pixel, in its middle, for the seen buffers: where the drawing has others.
     """
 
-    def __init__(self, stage: Stage, drawing: SpecularDrawing, antialias: int = 1) -> None:
+    def __init__(
+        self,
+        stage: Stage,
+        drawing: SpecularDrawing,
+        antialias: int = 1,
+        middles: Callable[[], Session] | None = None,
+    ) -> None:
         self._stage = stage
         self._drawing = drawing
         self._target = make_target(stage.view.size, (COLOR_FORMAT,), antialias)
         self._pipelines = scene_pipelines("color", antialias, sky_image=stage.buffers.sky_image)
         self._phases: dict[str, float] = {}
+        self._open_middles = middles
+        self._middles: Session | None = None
+        self._looked: tuple[Camera | RayMesh, tuple[float, float]] | None = None
+        self._deformed: tuple[np.ndarray, np.ndarray] | None = None
 
     @property
     def texture(self) -> wgpu.GPUTexture:
@@ -70,6 +82,8 @@ class Session:
             Moves the sample points, in pixels.
         """
         stage, began = self._stage, perf_counter()
+        self._looked = camera, shift
+        camera = stage.local(camera)
         stage.look(camera, shift)
         encoder = stage.recorder.begin()
         steps = self._drawing.prepare(encoder, camera, shift)
@@ -78,21 +92,34 @@ class Session:
             encoder, seconds = yield from timed(steps)
             preparing += seconds
         prepared = perf_counter()
+        self._draw_depth(encoder, self._target, self._pipelines)
+        looked = perf_counter()
+        steps = self._drawing.find(encoder, self._target, camera, shift)
+        finding = perf_counter() - looked
+        if steps is not None:
+            encoder, seconds = yield from timed(steps)
+            finding += seconds
+        found = perf_counter()
         self._draw(encoder, self._target, self._pipelines, self._drawing.draw_color)
         stage.recorder.submit(encoder)
-        recorded = perf_counter()
-        self._drawing.complete(self._target, camera, shift)
-        spent = {"prepare": preparing, "record": recorded - prepared, "mend": perf_counter() - recorded}
+        spent = {"prepare": preparing, "find": finding, "record": looked - prepared + perf_counter() - found}
         self._phases |= {phase: 1000.0 * seconds for phase, seconds in spent.items()}
 
     def phases(self) -> Mapping[str, float]:
         """Where a frame's time goes, milliseconds by phase; empty before the first frame.
 
-        Of the last draw, one after the other on the processor: "prepare" (rays, and maps planned), "record" (passes
-        recorded and submitted) and "mend" (what the method does once it is drawn, the device's part included). Beside
-        them "device": what the device needed for the last frame that was waited for, where it tells.
+        Of the last draw, on the processor: "prepare" (rays, and maps planned), "find" (what is looked for once the
+        scene has its depth: what is doubtful is traced, and the device is waited for before) and "record" (passes
+        recorded and submitted). Beside them "device": what the device needed for the last frame that was waited for,
+        where it tells.
         """
         return dict(self._phases)
+
+    def _draw_depth(self, encoder: wgpu.GPUCommandEncoder, target: Target, pipelines: ScenePipelines) -> None:
+        depth_pass = begin_depth_pass(encoder, target)
+        if self._stage.has_pinhole:
+            draw_depth(depth_pass, pipelines, self._stage.buffers, self._stage.projection)
+        depth_pass.end()
 
     def _draw(
         self,
@@ -102,10 +129,6 @@ class Session:
         draw_specular: Callable[[wgpu.GPURenderPassEncoder], None],
     ) -> None:
         buffers, projection, pinhole = self._stage.buffers, self._stage.projection, self._stage.has_pinhole
-        depth_pass = begin_depth_pass(encoder, target)
-        if pinhole:
-            draw_depth(depth_pass, pipelines, buffers, projection)
-        depth_pass.end()
         render_pass = begin_pass(encoder, target, keep_depth=True)
         # What stands behind a mirror need not be shaded: the mirror comes first.
         bind_scene(render_pass, buffers, projection)
@@ -122,6 +145,9 @@ class Session:
         """
         self._stage.deform(positions, normals)
         self._drawing.deformed(self._stage.geometry)
+        self._deformed = positions, normals
+        if self._middles is not None:
+            self._middles.deform(positions, normals)
 
     def wait(self) -> None:
         """Return when every submitted frame is finished on the device."""
@@ -145,20 +171,27 @@ class Session:
         color = self.color() if color is None else color
         if not seen:
             return Frame(color, ray_mesh=not self._stage.has_pinhole)
+        if self._open_middles is not None and self._looked is not None:
+            return self._middle_session().frame(seen=True, color=color)
         stage = self._stage
         target = make_target(stage.view.size, SEEN_FORMATS)
         encoder = get_device().create_command_encoder()
         self._drawing.prepare_seen(encoder)
+        self._draw_depth(encoder, target, scene_pipelines("seen"))
         self._draw(encoder, target, scene_pipelines("seen"), self._drawing.draw_seen)
         submit(encoder)
         point, flags, deviation = (read_texture(texture) for texture in target.textures)
         # What nothing has drawn: even the sky leaves its status.
         blank = (flags == 0) & (point[..., 3] == 0.0)
+        object_id, position = point[..., 3].astype(np.uint32), np.ascontiguousarray(point[..., :3])
         origin, direction = self._drawing.rays() or (None, None)
+        if stage.origin.any():
+            position = position + np.where(object_id[..., None] > 0, stage.origin, 0.0)
+            origin = None if origin is None else origin + stage.origin
         return Frame(
             color=color,
-            position=np.ascontiguousarray(point[..., :3]),
-            object_id=point[..., 3].astype(np.uint32),
+            position=position,
+            object_id=object_id,
             specular=flags & 0xFFFF,
             status=np.where(blank, Status.OUTSIDE, flags >> 16).astype(np.uint8),
             deviation=deviation,
@@ -167,3 +200,13 @@ class Session:
             ray_mesh=not stage.has_pinhole,
             figures=self._drawing.figures(),
         )
+
+    def _middle_session(self) -> Session:
+        """The session with one sample a pixel, with the last frame drawn."""
+        assert self._open_middles is not None and self._looked is not None
+        if self._middles is None:
+            self._middles = self._open_middles()
+            if self._deformed is not None:
+                self._middles.deform(*self._deformed)
+        self._middles.draw(*self._looked)
+        return self._middles

@@ -34,6 +34,12 @@ class SpecularDrawing(ABC):
         """
         return None
 
+    def find(
+        self, encoder: wgpu.GPUCommandEncoder, target: Target, camera: Any, shift: tuple[float, float]
+    ) -> Generator[None, None, wgpu.GPUCommandEncoder] | None:
+        """Record what needs the depth of the diffuse meshes, which `target` has by now; in steps, as `prepare`."""
+        return None
+
     @abstractmethod
     def draw_color(self, render_pass: wgpu.GPURenderPassEncoder) -> None:
         """Draw into the image before the scene, which is hidden behind it; shading and projection are bound."""
@@ -49,10 +55,6 @@ class SpecularDrawing(ABC):
 
     def deformed(self, geometry: Geometry) -> None:
         """Take notice that vertices have moved: they are where `geometry` says, and so on the device."""
-        return
-
-    def complete(self, target: Target, camera: Any, shift: tuple[float, float]) -> None:
-        """Mend the image in `target` where the method itself knows that it must."""
         return
 
     def prepare_seen(self, encoder: wgpu.GPUCommandEncoder) -> None:

@@ -7,7 +7,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from scenes import CAMERA, SIZE, drawn, flat_mirror, open_view, pixels_of, scene_with, spherical_mirror, surroundings
-from small_device import SmallDevice
 
 from anamorph import gallery
 from anamorph.base.errors import AnamorphError
@@ -15,7 +14,6 @@ from anamorph.frame import Status, View
 from anamorph.gallery.solids import box
 from anamorph.measure.errors import silhouettes
 from anamorph.methods import METHODS, Specification
-from anamorph.methods.tracing import tiles
 from anamorph.methods.tracing.paths import specular_rectangle
 from anamorph.rendering import draw_frame
 from anamorph.scene.model import Diffuse, Glass, PointLight, Scene
@@ -123,24 +121,6 @@ def test_a_shift_moves_the_sample_points_right_and_down(name):
     moved = session.frame(seen=True)
     assert (moved.object_id[1:, :-1] == still.object_id[:-1, 1:]).mean() > 0.999
     assert (moved.specular[1:, :-1] == still.specular[:-1, 1:]).mean() > 0.999
-
-
-@pytest.mark.parametrize("rows", [1, 7])
-def test_several_bands_give_the_same_frame(traced, monkeypatch, rows):
-    x0, _, x1, _ = specular_rectangle(CURVED, CAMERA, SIZE)
-    small = SmallDevice(rows * (x1 - x0) * tiles.RECORD_BYTES)
-    monkeypatch.setattr(tiles, "get_device", lambda: small)
-    session = open_view(CURVED, "raytrace")
-    session.draw(replace(CAMERA, position=(0.0, 0.6, 2.5)))
-    session.draw(CAMERA)
-    frame = session.frame(seen=True)
-    assert len(session.diagnostics()["bands"]) > 3
-    for name in ("position", "object_id", "specular", "status", "ray_origin", "ray_direction"):
-        assert (getattr(frame, name) == getattr(traced, name)).all()
-    # The texture filter looks to the rows beside, and none of another band.
-    difference = np.abs(frame.color - traced.color).max(axis=-1)
-    assert (difference < 1e-3).mean() > 0.94
-    assert np.percentile(difference, 99) < 0.2
 
 
 def test_a_scene_without_a_mirror_is_drawn_directly():

@@ -25,7 +25,7 @@ from anamorph.raymesh import RayMesh
 from anamorph.rays.caster import Caster
 from anamorph.scene.camera import Camera
 from anamorph.scene.geometry import flatten
-from anamorph.scene.model import Glass, Scene
+from anamorph.scene.model import Scene
 
 SIZE = (80, 60)
 QUAD = [[0, 1, 2], [0, 2, 3]]
@@ -275,18 +275,6 @@ def test_what_lies_behind_the_origins_is_not_seen():
     assert (beyond.object_id[stays] == whole.object_id[stays]).all()
     seen = hidden & (beyond.object_id > 0)
     assert ((beyond.position[seen] - CAMERA.position) @ CAMERA.axes()[2] > 2.99).all()
-
-
-def test_bands_of_the_image_are_each_others_continuation(monkeypatch):
-    # Glass that disperses: each band has colours of its own.
-    scene = gallery.make("spectacles-plus")
-    glass = Glass(1.5, abbe=8.0)
-    meshes = (replace(each, material=glass) if each.specular else each for each in scene.meshes)
-    scene = replace(scene, meshes=tuple(meshes))
-    mesh = as_ray_mesh(scene.camera, SIZE)
-    whole = seen_through(mesh, scene)
-    monkeypatch.setattr("anamorph.methods.raytrace.raytrace.tiles_at_once", lambda pixels: 7)
-    assert np.abs(seen_through(mesh, scene).color - whole.color).mean() < 1e-3
 
 
 def test_the_scene_itself_is_not_drawn(monkeypatch):

@@ -6,8 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from scenes import CAMERA, SIZE, drawn, flat_mirror, open_view, scene_with, surroundings
-from small_device import SmallDevice
+from scenes import CAMERA, SIZE, drawn, flat_mirror, open_view, scene_with
 
 from anamorph import gallery
 from anamorph.base.errors import AnamorphError
@@ -17,13 +16,14 @@ from anamorph.gallery.solids import box
 from anamorph.gpu.device import get_device
 from anamorph.gpu.drawing import bind_scene, submit
 from anamorph.gpu.targets import COLOR_FORMAT, begin_pass, make_target, read_texture
+from anamorph.gpu.visibility import VisibilityBuffer
 from anamorph.lenses.making import make_lens
 from anamorph.lenses.prescription import Prescription
 from anamorph.methods import Specification
 from anamorph.methods.stage import Stage
-from anamorph.methods.tracing import tiles
 from anamorph.methods.tracing.launch import EyeRays, eye_rays
-from anamorph.methods.tracing.paths import PathTracer, specular_rectangle
+from anamorph.methods.tracing.packing import packed
+from anamorph.methods.tracing.paths import PathTracer
 from anamorph.optics.dispersion import line_indices
 from anamorph.projection import camera_projection
 from anamorph.rays.caster import Caster
@@ -211,23 +211,6 @@ def test_no_tiles_have_no_colours():
     assert drain(tracer.tracing_colors(none, records)).shape == (2, 0, 16)
 
 
-def test_several_bands_give_the_same_frame(monkeypatch):
-    scene = lens_in_a_mirror()
-    diffuse = tuple(replace(mesh, material=Diffuse((0.7, 0.6, 0.5)), texcoords=None) for mesh in surroundings())
-    scene = replace(scene, meshes=(*scene.meshes[:2], *diffuse))
-    whole = drawn(scene, "raytrace")
-    rectangle = specular_rectangle(scene, scene.camera, SIZE)
-    assert rectangle is not None
-    small = SmallDevice(7 * (rectangle[2] - rectangle[0]) * tiles.RECORD_BYTES)
-    monkeypatch.setattr(tiles, "get_device", lambda: small)
-    session = open_view(scene, "raytrace")
-    session.draw(replace(scene.camera, position=(0.0, 0.6, 2.5)))
-    session.draw(scene.camera)
-    frame = session.frame(seen=True)
-    for buffer in ("color", *SEEN):
-        assert (getattr(frame, buffer) == getattr(whole, buffer)).all()
-
-
 def test_a_frame_without_dispersed_pixels_keeps_none_of_the_frame_before():
     scene = lens_in_a_mirror()
     away = replace(scene.camera, target=(0.25, 0.65, 5.0))
@@ -238,27 +221,40 @@ def test_a_frame_without_dispersed_pixels_keeps_none_of_the_frame_before():
     assert (frame.color == plain.color).all() and (frame.specular == 0).all()
 
 
-def test_tiles_written_without_colours_show_greens_way_in_all_of_them():
-    """Also where they had colours before."""
+def test_each_line_of_the_spectrum_gives_its_own_colour_to_the_image():
+    """By green's way alone all colours take it, also where others went their own ways before."""
     scene = lens_in_a_mirror()
-    stage, corner = Stage(View(scene, scene.camera, SIZE)), np.array([[0, 0]])
+    stage = Stage(View(scene, scene.camera, SIZE))
     stage.projection.write(camera_projection(scene.camera, SIZE), SIZE)
     tracer = PathTracer(scene, stage.geometry, Caster(stage.geometry))
     records = drain(tracer.tracing(eye_rays(scene.camera, SIZE)))
     colors = drain(tracer.tracing_colors(eye_rays(scene.camera, SIZE), records))
-    written = tiles.Tiles(stage.buffers)
-    images = []
-    for given in (None, colors, None):
-        written.write(corner, SIZE, records, given)
+    whole = (0, 0, *SIZE)
+    met = records.view(np.uint32)[:, 14].reshape(SIZE[::-1]) > 0
+    visibility = VisibilityBuffer(stage.buffers, SIZE, lines=3)
+    lines = [packed(records)]
+    for color in colors:
+        lines.append(lines[0].copy())
+        lines[-1][:, met.ravel()] = packed(color)
+
+    def image(green, *others):
+        for number, line in enumerate((green, *others)):
+            visibility.write(whole, line.reshape(2, *SIZE[::-1], 4), number)
+        visibility.show(whole, 1 + len(others))
         target = make_target(SIZE, (COLOR_FORMAT,))
         encoder = get_device().create_command_encoder()
         render_pass = begin_pass(encoder, target)
         bind_scene(render_pass, stage.buffers, stage.projection)
-        written.draw_color(render_pass)
+        visibility.draw_color(render_pass)
         render_pass.end()
         submit(encoder)
-        images.append(read_texture(target.textures[0]))
-    assert (images[0] == images[2]).all() and (images[0] != images[1]).any()
+        return read_texture(target.textures[0])[..., :3]
+
+    green, red, blue = map(image, lines)
+    together = image(*lines)
+    assert (together == np.stack([red[..., 0], green[..., 1], blue[..., 2]], axis=-1)).all()
+    assert (image(lines[0]) == green).all() and (together != green)[met].any()
+    assert (together == green)[~met].mean() > 0.99, "but for the footprints beside what disperses"
 
 
 def test_where_one_colour_is_totally_reflected_and_another_is_not():

@@ -12,3 +12,5 @@ methods and the viewer trace too.
 """
 
 from anamorph.methods.raytrace.raytrace import METHOD as METHOD
+from anamorph.methods.raytrace.raytrace import Options as Options
+from anamorph.methods.raytrace.raytrace import TracedDrawing as TracedDrawing

@@ -13,10 +13,9 @@ from scenes import CENTER, SIZE, drawn, open_view, scene_with, sky_scene, spheri
 from anamorph.base.errors import AnamorphError
 from anamorph.frame import Status
 from anamorph.gallery import make
-from anamorph.gallery.solids import box
 from anamorph.gallery.spheres import mirror_ball
 from anamorph.measure.angles import angles_between
-from anamorph.measure.errors import measure
+from anamorph.measure.errors import measure, silhouettes
 from anamorph.methods.pervertex import Options
 from anamorph.methods.pervertex.bundle import part_of, pixel_weights
 from anamorph.methods.pervertex.cube_plan import FORWARD, RIGHT, UP, plan_cube
@@ -27,7 +26,7 @@ from anamorph.optics.ray_meshes import bodies_of, rays_of
 from anamorph.raymesh import RayStatus
 from anamorph.scene.camera import Camera
 from anamorph.scene.geometry import flatten
-from anamorph.scene.model import Diffuse, Sky
+from anamorph.scene.model import Mirror, Sky
 
 BALL = mirror_ball("ball", tuple(CENTER), 0.2, 24, 32)
 DOME = spherical_mirror(0.25, 16, (0.13, 0.13))
@@ -169,19 +168,11 @@ def test_only_faces_and_parts_that_are_looked_up_are_drawn():
     assert min(areas) < 0.7 * max(areas)
 
 
-def test_what_is_in_the_body_does_not_hide_what_is_before_it(reference):
-    inner = box(tuple(CENTER - 0.08), tuple(CENTER + 0.08)).mesh("inner", Diffuse(color=(1.0, 0.0, 1.0)))
-    filled = drawn(replace(WIDE, meshes=(*WIDE.meshes, inner)), "pervertex:refine=2,wide=cube")
-    assert not (filled.object_id == len(WIDE.meshes) + 1).any()
-    assert measure(reference, filled).other_object_percent < 0.5
-
-
-@pytest.mark.parametrize(("refine", "median", "p95"), [(0, 0.4, 1.5), (3, 0.02, 0.05)])
-def test_a_whole_ball_is_close_to_the_truth(reference, refine, median, p95):
-    frame = drawn(WIDE, f"pervertex:refine={refine},wide=cube")
+def test_a_whole_ball_is_close_to_the_truth(reference):
+    frame = drawn(WIDE, "pervertex:map=image,wide=cube")
     errors = measure(reference, frame)
-    assert errors.pixels.median <= median
-    assert errors.pixels.p95 <= p95
+    assert errors.pixels.median <= 0.4
+    assert errors.pixels.p95 <= 1.5
     assert errors.other_object_percent <= 0.5
     assert not (frame.status == Status.OUTSIDE).any()
 
@@ -189,55 +180,50 @@ def test_a_whole_ball_is_close_to_the_truth(reference, refine, median, p95):
 def test_a_torus_is_about_as_near_to_the_truth_as_by_patches():
     scene = make("torus")
     reference = drawn(scene, "raytrace")
-    patches, cube = (measure(reference, drawn(scene, f"pervertex:wide={way}")) for way in ("patches", "cube"))
+    patches, cube = (measure(reference, drawn(scene, f"pervertex:map=image,wide={way}")) for way in ("patches", "cube"))
     assert cube.pixels.median <= 1.2 * patches.pixels.median
     assert cube.pixels.p95 <= 1.2 * patches.pixels.p95
     assert cube.other_object_percent <= patches.other_object_percent + 1.0
 
 
-@pytest.mark.parametrize("kind", ["ball", "bars"])
-def test_a_tolerance_holds_with_a_cube_map(reference, kind):
-    red = Diffuse(color=(0.9, 0.1, 0.1))
-    bars = [box((x, 0.2, 0.3), (x + 0.02, 0.8, 0.32)).mesh(f"bar-{x}", red) for x in (-0.1, 0.0, 0.1)]
-    scene = WIDE if kind == "ball" else scene_with(BALL, *bars)
-    reference = reference if kind == "ball" else drawn(scene, "raytrace")
-    frame = drawn(scene, "pervertex:tolerance=0.5,wide=cube")
-    errors = measure(reference, frame)
-    counted = errors.maps.specular & ~errors.maps.silhouette
-    assert (errors.maps.pixels[counted] <= 0.5).mean() >= 0.999
-    assert errors.other_object_percent < 0.01
-    traced = (frame.status[frame.specular > 0] == Status.TRACED).mean()
-    assert traced < 0.08 if kind == "ball" else 0.09 < traced < 0.2
+def off_its_sky(sky, camera):
+    """A mirror ball under a sky alone, and how far each pixel's colour is from that of the direction it tells."""
+    scene = sky_scene(replace(BALL, material=Mirror(reflectance=1.0)), sky, camera)
+    frame = drawn(scene, "pervertex:map=image,wide=cube", (320, 240))
+    height = frame.position[..., 1:2]
+    share = np.sqrt(np.abs(height))
+    expected = (1.0 - share) * sky.horizon + share * np.where(height > 0.0, sky.zenith, sky.nadir)
+    return frame, np.abs(frame.color - expected).max(axis=-1)
 
 
 def test_there_is_no_seam_where_faces_meet():
     """Under a sky that changes slowly, a texel held at its map's border would stand out."""
     sky = Sky(zenith=(0.0, 0.0, 0.0), horizon=(1.0, 0.0, 1.0), nadir=(0.0, 1.0, 0.0))
-    scene = sky_scene(BALL, sky, Camera((0.1, 0.7, 0.9), tuple(CENTER), field_of_view=32.0))
-    reference = drawn(scene, "raytrace", (320, 240))
-    frame = drawn(scene, "pervertex:refine=2,wide=cube", (320, 240))
-    size = np.sort(np.abs(reference.position), axis=2)
-    looked = reference.specular > 0
-    border = looked & (size[..., 2] - size[..., 1] < 0.005) & (np.abs(reference.position[..., 1]) > 0.5)
+    frame, error = off_its_sky(sky, Camera((0.1, 0.7, 0.9), tuple(CENTER), field_of_view=32.0))
+    # At the silhouette, directions change fast from pixel to pixel.
+    size = np.sort(np.abs(frame.position), axis=2)
+    looked = (frame.specular > 0) & ~silhouettes(frame.specular)
+    border = looked & (size[..., 2] - size[..., 1] < 0.005) & (np.abs(frame.position[..., 1]) > 0.5)
     # At the horizon the sky's own colours have an edge.
-    inner = looked & (size[..., 2] - size[..., 1] > 0.1) & (np.abs(reference.position[..., 1]) > 0.1)
+    inner = looked & (size[..., 2] - size[..., 1] > 0.1) & (np.abs(frame.position[..., 1]) > 0.1)
     assert border.sum() > 100
-    error = np.abs(frame.color - reference.color).max(axis=-1)
     assert np.percentile(error[inner], 99) < 0.01
-    assert error[border].mean() < 2.0 * np.median(error[inner])
+    # Colours are half floats, with steps of 2 ** -11 below one.
+    assert error[border].mean() < 2.0 * max(np.median(error[inner]), 2.0**-12)
 
 
 def test_the_device_finds_the_direction_that_it_looks_up():
-    """From a direction to a face and a place, and back, to float32."""
-    frame = drawn(sky_scene(BALL), "pervertex:refine=1,wide=cube")
+    """By its colour and by the point that it tells: two ways from a direction to a face and its place."""
+    sky = Sky(zenith=(0.0, 0.0, 1.0), horizon=(1.0, 1.0, 0.0), nadir=(0.0, 0.2, 0.0))
+    frame, error = off_its_sky(sky, WIDE.camera)
     mirror = frame.specular > 0
     assert (frame.status[mirror] == Status.SKY).all()
-    assert frame.deviation[mirror].max() < 1e-3
+    assert np.percentile(error[mirror & (np.abs(frame.position[..., 1]) > 0.1)], 99) < 0.01
 
 
 def test_a_body_that_one_map_can_show_has_no_cube_map():
     scene = scene_with(spherical_mirror())
-    patches, cube = (drawn(scene, f"pervertex:refine=1,wide={way}") for way in ("patches", "cube"))
+    patches, cube = (drawn(scene, f"pervertex:map=image,wide={way}") for way in ("patches", "cube"))
     assert (patches.color == cube.color).all() and (patches.position == cube.position).all()
 
 
@@ -245,12 +231,12 @@ def test_rays_that_do_not_spread_from_a_point_behind_the_body_are_divided():
     bowl = spherical_mirror(-0.25, 12, (0.2, 0.2))
     scene = scene_with(bowl)
     assert plan_of(scene)[2] is None
-    patches, cube = (drawn(scene, f"pervertex:wide={way}") for way in ("patches", "cube"))
+    patches, cube = (drawn(scene, f"pervertex:map=image,wide={way}") for way in ("patches", "cube"))
     assert (patches.color == cube.color).all()
 
 
 def test_a_wide_body_has_one_draw_and_a_map_for_each_face_that_it_needs():
-    session = open_view(WIDE, "pervertex:wide=cube")
+    session = open_view(WIDE, "pervertex:map=image,wide=cube")
     session.draw(WIDE.camera)
     held = session.diagnostics()
     (draw,), (level,) = held["seen"].draws, held["levels"]
@@ -259,18 +245,10 @@ def test_a_wide_body_has_one_draw_and_a_map_for_each_face_that_it_needs():
     assert all(view.sky for view in level.views)
 
 
-def test_where_a_tolerance_is_set_a_vertex_that_sees_its_own_body_has_no_place():
-    rays, _, plan = plan_of(make("torus"), tolerance=0.5)
-    facing = rays.status[plan.vertices] == RayStatus.OK
-    valid = plan.lookups[0][facing, 3]
-    assert 0.4 < valid.mean() < 0.98
-    assert PLANS["ball"][2].lookups[0][:, 3].all()
-    assert plan_of(WIDE, tolerance=0.5)[2].lookups[0][:, 3].all()
-
-
 def test_wide_and_narrow_bodies_share_an_image():
     session = open_view(
-        scene_with(spherical_mirror(), mirror_ball("ball", (0.0, 0.7, -0.4), 0.15, 12, 16)), "pervertex:wide=cube"
+        scene_with(spherical_mirror(), mirror_ball("ball", (0.0, 0.7, -0.4), 0.15, 12, 16)),
+        "pervertex:map=image,wide=cube",
     )
     session.draw(WIDE.camera)
     assert {draw.cube for draw in session.diagnostics()["seen"].draws} == {False, True}
@@ -279,11 +257,11 @@ def test_wide_and_narrow_bodies_share_an_image():
 def test_a_cube_map_shows_mirrors_in_mirrors():
     scene = scene_with(BALL, mirror_ball("other", (0.35, 0.5, 0.35), 0.12, 16, 24))
     reference = drawn(scene, "raytrace")
-    errors = [measure(reference, drawn(scene, f"pervertex:wide=cube,refine=2,bounces={n}")) for n in (1, 2)]
+    errors = [measure(reference, drawn(scene, f"pervertex:map=image,wide=cube,bounces={n}")) for n in (1, 2)]
     assert errors[1].other_object_percent < 0.5 * errors[0].other_object_percent
 
 
 @pytest.mark.parametrize("value", ["moon", "Cube", ""])
 def test_another_way_to_draw_wide_bodies_is_refused_by_name(value):
     with pytest.raises(AnamorphError, match=r"^pervertex: wide is [^\n]*patches or cube$"):
-        open_view(WIDE, f"pervertex:wide={value}")
+        open_view(WIDE, f"pervertex:map=image,wide={value}")

@@ -16,8 +16,8 @@ from anamorph.scene.geometry import flatten
 from anamorph.scene.model import Scene
 
 
-@pytest.mark.parametrize(("abbe", "colors"), [(None, 1), (40.0, 3)])
-def test_a_lens_hands_on_the_rays_of_each_colour(abbe, colors):
+@pytest.mark.parametrize("abbe", [None, 40.0])
+def test_a_lens_hands_on_the_rays_of_green_light(abbe):
     scene = Scene("lens", lens_of(Prescription(-2.0), abbe=abbe, vertices=60).meshes, CAMERA)
     (body,) = bodies_of(scene, flatten(scene))
     body_rays = rays_of(body, CAMERA.eye(SIZE))
@@ -25,10 +25,9 @@ def test_a_lens_hands_on_the_rays_of_each_colour(abbe, colors):
     body_rays = replace(body_rays, rays=replace(body_rays.rays, status=status))
     faces = np.array([3, 1, 4])
     rays = corner_rays(body_rays, faces)
-    assert rays.shape == (3, 3, colors, 2, 4)
-    for number, each in enumerate((body_rays.rays, *body_rays.others)):
-        corners = each.faces[faces]
-        assert rays[:, :, number, 0, :3].tolist() == each.origins[corners].tolist()
-        assert rays[:, :, number, 0, 3].tolist() == each.transmittance[corners].tolist()
-        assert rays[:, :, number, 1, :3].tolist() == each.directions[corners].tolist()
-        assert (rays[:, :, number, 1, 3] == (each.status[corners] == RayStatus.TOTAL_REFLECTION)).all()
+    assert rays.shape == (3, 3, 2, 4)
+    corners = body_rays.rays.faces[faces]
+    assert rays[:, :, 0, :3].tolist() == body_rays.rays.origins[corners].tolist()
+    assert rays[:, :, 0, 3].tolist() == body_rays.rays.transmittance[corners].tolist()
+    assert rays[:, :, 1, :3].tolist() == body_rays.rays.directions[corners].tolist()
+    assert (rays[:, :, 1, 3] == (status[corners] == RayStatus.TOTAL_REFLECTION)).all()

@@ -39,7 +39,7 @@ def test_the_figures_are_those_of_the_plans(mirror, field):
     texels = [max(int(plan.texels[0][0]), 16) * max(int(plan.texels[0][1]), 16) for plan in seen.plans]
     assert figures["map_texels"] == sum(texels)
     assert figures["maps_used_percent"] == pytest.approx(100.0 * np.average(covered(seen), weights=texels), abs=1.5)
-    assert drawn(scene, f"pervertex:field={field}").figures == figures
+    assert drawn(scene, f"pervertex:map=image,field={field}").figures == figures
 
 
 def test_they_are_of_the_last_frame_alone():

@@ -1,4 +1,4 @@
-"""Concave mirrors: what stands before the crossing of the rays is in the image, refined or not."""
+"""Concave mirrors: what stands before the crossing of the rays is in the image, by both kinds of maps."""
 
 from __future__ import annotations
 
@@ -9,12 +9,12 @@ import anamorph as an
 from anamorph.gallery.curvature_series import one_mirror
 
 
-@pytest.mark.parametrize("options", [{}, {"refine": 3}])
-def test_what_stands_before_the_crossing_is_seen_upright_in_colour(options):
+@pytest.mark.parametrize("holds", ["image", "surfaces"])
+def test_what_stands_before_the_crossing_is_seen_upright_in_colour(holds):
     scene = one_mirror(-0.5)
     pawn = 1 + next(number for number, mesh in enumerate(scene.meshes) if mesh.name.endswith("pawn"))
     reference = an.render(scene, method="raytrace", size=(200, 150), seen=True)
-    shown = an.render(scene, method="pervertex", size=(200, 150), **options).color
+    shown = an.render(scene, method="pervertex", size=(200, 150), map=holds).color
     assert reference.specular is not None and reference.object_id is not None
     reflected = (reference.specular > 0) & (reference.object_id == pawn)
     assert reflected.sum() > 30

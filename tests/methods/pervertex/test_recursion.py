@@ -27,7 +27,9 @@ def numbers(name: str, *starts: str) -> list[int]:
 @pytest.mark.parametrize(("depth", "alike", "exact"), [(2, 0.9995, 0.985), (6, 0.998, 0.92)])
 def test_facing_mirrors_are_right_to_every_depth(depth, alike, exact):
     """Flat mirrors in flat mirrors; a path that meets more of them ends at the next one, for rays and maps alike."""
-    reference, frame = (built_in("facing-mirrors", f"{name}:bounces={depth}") for name in ("raytrace", "pervertex"))
+    reference, frame = (
+        built_in("facing-mirrors", f"{name}{depth}") for name in ("raytrace:bounces=", "pervertex:map=image,bounces=")
+    )
     errors = measure(reference, frame).maps
     away = errors.specular & ~errors.silhouette
     same = frame.object_id == reference.object_id
@@ -45,7 +47,9 @@ def test_facing_mirrors_are_right_to_every_depth(depth, alike, exact):
 
 def test_what_is_deeper_than_the_limit_ends_at_a_mirror():
     mirrors = numbers("facing-mirrors", "mirror")
-    reference, frame = (built_in("facing-mirrors", f"{name}:bounces=2") for name in ("raytrace", "pervertex"))
+    reference, frame = (
+        built_in("facing-mirrors", f"{name}2") for name in ("raytrace:bounces=", "pervertex:map=image,bounces=")
+    )
     beyond = (
         (reference.specular > 0)
         & np.isin(reference.object_id, mirrors)
@@ -59,7 +63,7 @@ def test_what_is_deeper_than_the_limit_ends_at_a_mirror():
 def test_each_bounce_shows_more_of_the_tunnel():
     reference = built_in("facing-mirrors", "raytrace:bounces=8")
     wrong = [
-        measure(reference, built_in("facing-mirrors", f"pervertex:bounces={depth}")).other_object_percent
+        measure(reference, built_in("facing-mirrors", f"pervertex:map=image,bounces={depth}")).other_object_percent
         for depth in (1, 2, 4, 6)
     ]
     assert wrong[0] > wrong[1] > wrong[2] >= wrong[3]
@@ -69,7 +73,7 @@ def test_each_bounce_shows_more_of_the_tunnel():
 def test_the_windows_in_the_mirror_show_the_town():
     size, mirror = (400, 300), numbers("car-windows", "mirror")
     reference, once = (built_in("car-windows", name, size) for name in ("raytrace", "raytrace:bounces=1"))
-    frame, blind = (built_in("car-windows", f"pervertex:refine=2,bounces={depth}", size) for depth in (2, 1))
+    frame, blind = (built_in("car-windows", f"pervertex:map=image,bounces={depth}", size) for depth in (2, 1))
     panes = [index + 1 for index, mesh in enumerate(make("car-windows").meshes) if mesh.name.endswith("-window")]
     windows = np.isin(reference.specular, mirror) & np.isin(once.object_id, panes)
     windows &= ~silhouettes(reference.object_id, reference.specular, once.object_id)
@@ -89,7 +93,7 @@ def test_no_map_shows_its_own_mirror():
     """A convex mirror cannot be seen in itself; its frame is not hidden by it either."""
     for name, mirror in (("car-windows", "mirror"), ("spheres", "mirror-ball")):
         own = numbers(name, mirror)
-        frame = built_in(name, "pervertex:refine=2" if name == "car-windows" else "pervertex")
+        frame = built_in(name, "pervertex:map=image")
         reference = built_in(name, "raytrace")
         looks = np.isin(frame.specular, own) & np.isin(reference.specular, own)
         assert looks.sum() > 500, (name, [mesh.name for mesh in make(name).meshes])

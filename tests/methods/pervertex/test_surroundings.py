@@ -12,8 +12,8 @@ from hypothesis import strategies as st
 from scenes import CAMERA, SIZE, flat_mirror
 
 from anamorph.gallery.solids import box, grid
-from anamorph.methods.pervertex.mounting import MOST_LAYERS, what_is_behind
-from anamorph.methods.pervertex.surroundings import Surroundings, surroundings_of
+from anamorph.methods.pervertex.mounting import what_is_behind
+from anamorph.methods.pervertex.surroundings import MOST_LAYERS, Surroundings, surroundings_of
 from anamorph.optics.ray_meshes import bodies_of
 from anamorph.projection import MapFrame, camera_projection, far_projection, map_projection, pinhole_projection
 from anamorph.scene.geometry import flatten
@@ -125,7 +125,7 @@ def test_rays_pass_through_their_own_body(layers):
     around = surroundings_of(flatten(scene_of(wall(0.0, "body"), wall(3.0), *own)))
     numbers = (1, *range(3, 3 + layers))
     origins, directions = np.zeros((2, 3)), np.array([[0.0, 0.0, 1.0], [0.0, 0.0, -1.0]])
-    distances, met = around.cast_past(origins, directions, np.full(2, around.caster.near), numbers)
+    distances, met = around.cast_past(origins, directions, np.full(2, 1e-6), numbers)
     # What lies behind more layers than are followed counts as the sky.
     assert distances == pytest.approx([3.0 if layers < MOST_LAYERS else np.inf, np.inf])
     assert met.tolist() == [layers > 0, False]
@@ -137,7 +137,7 @@ def test_rays_of_one_body_pass_each_its_own_layers():
     around = surroundings_of(flatten(scene_of(wall(0.0, "body"), wall(3.0), *own)))
     origins = np.array([[0.03, 0.02, 0.0], [1.03, 0.02, 0.0], [2.0, 0.0, 0.0]])
     directions = np.tile([0.0, 0.0, 1.0], (3, 1))
-    distances, met = around.cast_past(origins, directions, np.full(3, around.caster.near), (1, 3, 4, 5))
+    distances, met = around.cast_past(origins, directions, np.full(3, 1e-6), (1, 3, 4, 5))
     assert met.tolist() == [True, True, False]
     assert distances[1:] == pytest.approx([3.0, 3.0])
 

@@ -12,9 +12,8 @@ import wgpu
 
 from anamorph.gpu.buffers import SceneBuffers
 from anamorph.gpu.device import get_device, maximum_size
-from anamorph.gpu.drawing import OUTPUTS, ProjectionUniform, draw_depth, draw_scene, scene_pipelines
+from anamorph.gpu.drawing import ProjectionUniform, draw_depth, draw_scene, scene_pipelines
 from anamorph.gpu.targets import COLOR_FORMAT, MAP_FORMATS, begin_depth_pass, begin_pass, make_target, make_texture
-from anamorph.methods.pervertex.halving import halve, halvings
 from anamorph.projection import Projection
 
 SPARE = 1.15
@@ -23,13 +22,8 @@ SPARE = 1.15
 LARGEST = 8192
 """Texels along a side of the textures, whatever the device could do."""
 
-LEVELS = 5
-"""Of mipmaps. Rectangles begin at multiples of the coarsest texel, so that no texel belongs to two."""
-
 MOST_TEXELS = 1 << 24
 """Of all maps of an atlas, at one sample each: with colours, depths and points they take up to 44 bytes."""
-
-ALIGNMENT = 1 << (LEVELS - 1)
 
 SHRINKING = 0.9
 """By which factor, again and again, maps are made smaller that are too large together."""
@@ -40,11 +34,10 @@ Bound = Callable[[int, wgpu.GPURenderPassEncoder], None]
 
 
 class MapKind(Enum):
-    """What of its maps an atlas draws: colours, depths, or both at once; or where each texel's path ends."""
+    """What of its maps an atlas draws: colours, depths, or where each texel's path ends."""
 
     COLOR = "color"
     DEPTH = "depth"
-    BOTH = "color_and_depth"
     END = "end"
 
 
@@ -75,7 +68,9 @@ class MapView:
     extra: Callable[[MapKind, wgpu.GPURenderPassEncoder], None] | None = None
 
 
-def arrange(sizes: Sequence[tuple[int, int]], widest: int) -> tuple[list[tuple[int, int]], tuple[int, int]]:
+def arrange(
+    sizes: Sequence[tuple[int, int]], widest: int, alignment: int = 1
+) -> tuple[list[tuple[int, int]], tuple[int, int]]:
     """Corners of rectangles of `sizes` on shelves no wider than `widest`, and the room that they all take."""
     area = sum(width * height for width, height in sizes)
     longest = max((width for width, _ in sizes), default=0)
@@ -83,7 +78,7 @@ def arrange(sizes: Sequence[tuple[int, int]], widest: int) -> tuple[list[tuple[i
     corners = [(0, 0)] * len(sizes)
     x = y = shelf = right = 0
     for number in sorted(range(len(sizes)), key=lambda i: -sizes[i][1]):
-        width, height = (-(-side // ALIGNMENT) * ALIGNMENT for side in sizes[number])
+        width, height = (-(-side // alignment) * alignment for side in sizes[number])
         if x > 0 and x + width > limit:
             x, y, shelf = 0, y + shelf, 0
         corners[number] = (x, y)
@@ -92,13 +87,15 @@ def arrange(sizes: Sequence[tuple[int, int]], widest: int) -> tuple[list[tuple[i
     return corners, (right, y + shelf)
 
 
-def shrunk(sizes: Sequence[tuple[int, int]], widest: int, most: int) -> list[tuple[int, int]]:
+def shrunk(sizes: Sequence[tuple[int, int]], widest: int, most: int, alignment: int = 1) -> list[tuple[int, int]]:
     """`sizes` as they are, or all smaller by one factor, so that they fit together on a square of `widest`.
 
     All of them have at most `most` texels, as far as maps of a texel allow.
     """
     fitting, scale = list(sizes), 1.0
-    while max(arrange(fitting, widest)[1]) > widest or sum(width * height for width, height in fitting) > most:
+    while (
+        max(arrange(fitting, widest, alignment)[1]) > widest or sum(width * height for width, height in fitting) > most
+    ):
         if all(size == (1, 1) for size in fitting):
             break
         scale *= SHRINKING
@@ -122,8 +119,8 @@ class Atlas:
         Each map's `Projection` structure for shaders.
     """
 
-    def __init__(self, antialias: int = 1, mipmaps: bool = False, ends: bool = False) -> None:
-        self._antialias, self._levels, self._has_ends = antialias, LEVELS if mipmaps else 1, ends
+    def __init__(self, antialias: int = 1, ends: bool = False) -> None:
+        self._antialias, self._has_ends = antialias, ends
         self._size = (0, 0)
         self._uniforms: list[ProjectionUniform] = []
         self.views: list[MapView] = []
@@ -146,25 +143,21 @@ class Atlas:
         too_small = any(have < max(want, 1) for have, want in zip(self._size, needed, strict=True))
         if not too_small and self._size[0] * self._size[1] < 4 * max(needed[0] * needed[1], 256 * 256):
             return False
-        self._make([min(int(SPARE * side) // ALIGNMENT * ALIGNMENT + ALIGNMENT, widest) for side in needed])
+        self._make([min(int(SPARE * side) + 1, widest) for side in needed])
         return True
 
     def _make(self, size: Sequence[int]) -> None:
         self._size = width, height = size[0], size[1]
         square = (width, height)
-        self.color = make_texture(square, COLOR_FORMAT, levels=self._levels)
+        self.color = make_texture(square, COLOR_FORMAT)
         self.depth = make_texture(square, MAP_FORMATS[0])
         self.end = make_texture(square if self._has_ends else (1, 1), MAP_FORMATS[0])
         depths = make_target(square, MAP_FORMATS, textures=(self.depth,))
         self._targets = {
             MapKind.COLOR: make_target(square, (COLOR_FORMAT,), self._antialias, (self.color,)),
             MapKind.DEPTH: depths,
-            MapKind.BOTH: make_target(
-                square, OUTPUTS["color_and_depth"], textures=(self.color, self.depth), depth=depths.depth
-            ),
             MapKind.END: make_target(square, MAP_FORMATS, textures=(self.end,), depth=depths.depth),
         }
-        self._halvings = halvings(self.color, self._levels)
 
     def draw(
         self, encoder: wgpu.GPUCommandEncoder, buffers: SceneBuffers, kind: MapKind, bound: Bound | None = None
@@ -192,8 +185,6 @@ class Atlas:
                 extra=None if view.extra is None else partial(view.extra, kind),
             )
         render_pass.end()
-        if kind in (MapKind.COLOR, MapKind.BOTH):
-            halve(encoder, self._halvings)
 
     def _within(self, render_pass: wgpu.GPURenderPassEncoder) -> Iterator[tuple[MapView, ProjectionUniform]]:
         """Each map with its projection, while the pass draws into its rectangle."""

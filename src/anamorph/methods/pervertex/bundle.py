@@ -10,6 +10,7 @@ import numpy as np
 from anamorph.methods.pervertex.mounting import size_of
 from anamorph.methods.pervertex.surroundings import Surroundings
 from anamorph.raymesh import RayMesh, RayStatus
+from anamorph.rays.caster import beyond
 
 FARTHEST = 1e4
 """How far away the sky is, in diagonals of the scene."""
@@ -35,17 +36,15 @@ def pixel_weights(rays: RayMesh, facing: np.ndarray) -> np.ndarray:
 
 
 def find_hits(
-    rays: RayMesh, nearest: np.ndarray, own: tuple[int, ...], surroundings: Surroundings, cast: bool
-) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Step 3.1: what rays hit beyond `nearest` (V,), (V, 3); how far that is (V,); whether they met a body of `own`."""
+    rays: RayMesh, nearest: np.ndarray, own: tuple[int, ...], surroundings: Surroundings
+) -> tuple[np.ndarray, np.ndarray]:
+    """Step 3.1: what rays hit beyond `nearest` (V,), but for the objects `own`, (V, 3); and how far that is, (V,)."""
     directions = rays.unit_directions()
-    distances, met = np.full(len(directions), surroundings.diagonal), np.zeros(len(directions), bool)
-    if cast:
-        # No one sees what catches the rays that miss the far face of a lens: it must not be what frames the lens.
-        lost = np.isin(rays.status, (RayStatus.LEFT_BY_EDGE, RayStatus.TOTAL_REFLECTION))
-        start = nearest + np.where(lost, size_of(rays.origins), 0.0)
-        distances, met = surroundings.cast_past(rays.origins, directions, start, own)
-    return rays.origins + np.minimum(distances, FARTHEST * surroundings.diagonal)[:, None] * directions, distances, met
+    # No one sees what catches the rays that miss the far face of a lens: it must not be what frames the lens.
+    lost = np.isin(rays.status, (RayStatus.LEFT_BY_EDGE, RayStatus.TOTAL_REFLECTION))
+    start = nearest + np.where(lost, size_of(rays.origins), 0.0)
+    distances, _ = surroundings.cast_past(rays.origins, directions, start, own)
+    return rays.origins + np.minimum(distances, FARTHEST * surroundings.diagonal)[:, None] * directions, distances
 
 
 def past_frame(
@@ -62,7 +61,7 @@ def past_frame(
     sees where their rays meet the rim, but all that is interpolated towards it would be wrong. A frame reaches back to
     the mirror; what stands free before it is seen in it.
     """
-    start, top = np.full(len(occluder), surroundings.caster.near), -np.inf
+    start, top = beyond(rays.origins, directions), -np.inf
     if not occluder.any():
         return start, top
     size = size_of(rays.origins)
@@ -73,7 +72,7 @@ def past_frame(
         framed = hidden & (hits.distance < size) & (surroundings.face_object[hits.triangle] == occluder)
         if not framed.any():
             break
-        start = np.where(framed, hits.distance + surroundings.caster.near, start)
+        start = np.where(framed, beyond(rays.origins, directions, hits.distance), start)
         top = max(top, float(((rays.origins + start[:, None] * directions) @ normal)[framed].max()))
     return start, top
 

@@ -70,11 +70,8 @@ def plan_cube(
     for each in bundles:
         directions = each.unit_directions()
         crossing = _near_crossings(each.origins, directions, viewpoint, near)
-        hits, distances, met = find_hits(each, np.maximum(crossing, past), own, surroundings, options.casts)
+        hits, distances = find_hits(each, np.maximum(crossing, past), own, surroundings)
         valid = each.status != RayStatus.TOTAL_REFLECTION
-        if options.strict:
-            first = surroundings.caster.cast(each.origins, directions, surroundings.caster.near).distance
-            valid &= ~facing | (~met & ((occluder > 0) | (first >= crossing)))
         # As long as the ray to the eye: on a flat mirror that is the vertex's own offset from the viewpoint.
         towards = hits - viewpoint
         towards /= np.maximum(np.linalg.norm(towards, axis=1, keepdims=True), 1e-12)

@@ -17,7 +17,7 @@ from anamorph.gpu.buffers import SceneBuffers
 from anamorph.gpu.device import maximum_size
 from anamorph.methods.pervertex.atlas import MapKind, MapView
 from anamorph.methods.pervertex.division import seen_faces
-from anamorph.methods.pervertex.level import Level, PatchDraw
+from anamorph.methods.pervertex.level import Level, WarpDraw
 from anamorph.methods.pervertex.options import Options
 from anamorph.methods.pervertex.seen import Seen, seen_body
 from anamorph.methods.pervertex.surroundings import Surroundings
@@ -48,12 +48,12 @@ class SeenBodies:
     ----------
     level : Level
         Whose maps show them.
-    draws : tuple of PatchDraw
+    draws : tuple of WarpDraw
     seen : tuple of Seen
     """
 
     level: Level
-    draws: tuple[PatchDraw, ...]
+    draws: tuple[WarpDraw, ...]
     seen: tuple[Seen, ...]
 
     @property

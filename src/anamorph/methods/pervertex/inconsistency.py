@@ -1,7 +1,7 @@
 """Occlusion inconsistency: where what a map shows is not what the rays meet, because something hides it from there.
 
 Source: Kakimoto et al. 2007, section 6 and Figure 16, which shows it and leaves it open. Here it is found at vertices;
-what fragments know of it is in doubt.wgsl.
+fragments that do not show what their rays meet are tinted by inconsistency.wgsl.
 """
 
 from __future__ import annotations

@@ -2,7 +2,7 @@
 // needs: methods/pervertex/warp.wgsl
 // Kakimoto et al. 2007, section 4.5.
 
-// A flag of a triangle: it has lookups and rays for green, red and blue.
+// A flag of a triangle: it has lookups for green, red and blue.
 const THREE_COLORS = 4u;
 
 // Another: the path ends at the lens.
@@ -15,20 +15,16 @@ struct RefractorFragment {
     // (s q, t q, q), and 1 where the map has a place for it.
     @location(1) lookup_green: vec4f,
     // Where the ray leaves the lens, and the share of the light that goes this way.
-    @location(2) origin_green: vec4f,
+    @location(2) origin: vec4f,
     // Its direction, and 1 where reflection in the glass is total.
-    @location(3) direction_green: vec4f,
+    @location(3) direction: vec4f,
     @location(4) lookup_red: vec4f,
-    @location(5) origin_red: vec4f,
-    @location(6) direction_red: vec4f,
-    @location(7) lookup_blue: vec4f,
-    @location(8) origin_blue: vec4f,
-    @location(9) direction_blue: vec4f,
+    @location(5) lookup_blue: vec4f,
     // The middle of the far face's border, and the object number of the edge.
-    @location(10) @interpolate(flat) middle: vec4f,
+    @location(6) @interpolate(flat) middle: vec4f,
     // The lens's axis, and its radius.
-    @location(11) @interpolate(flat) axis: vec4f,
-    @location(12) normal: vec3f,
+    @location(7) @interpolate(flat) axis: vec4f,
+    @location(8) normal: vec3f,
 }
 
 @vertex
@@ -37,22 +33,19 @@ fn refractor_vertex(@builtin(vertex_index) index: u32) -> RefractorFragment {
     let corner = index % 3u;
     let vertex = vertices[indices[3u * triangle.face + corner]];
     let colors = select(1u, 3u, (triangle.flags & THREE_COLORS) != 0u);
-    let first = triangle.data + 2u + 3u * colors * corner;
-    let red = first + 3u * min(1u, colors - 1u);
-    let blue = first + 3u * min(2u, colors - 1u);
+    let first = triangle.data + 2u + (colors + 2u) * corner;
     return RefractorFragment(
         projection.clip * vec4f(position_of(vertex), 1.0),
         vec2u(vertex.object, triangle.flags),
-        corner_data[first], corner_data[first + 1u], corner_data[first + 2u],
-        corner_data[red], corner_data[red + 1u], corner_data[red + 2u],
-        corner_data[blue], corner_data[blue + 1u], corner_data[blue + 2u],
+        corner_data[first], corner_data[first + colors], corner_data[first + colors + 1u],
+        corner_data[first + min(1u, colors - 1u)], corner_data[first + min(2u, colors - 1u)],
         corner_data[triangle.data], corner_data[triangle.data + 1u],
         normal_of(vertex),
     );
 }
 
-fn refraction(origin: vec4f, direction: vec4f) -> Ray {
-    return Ray(origin.xyz, normalize(direction.xyz));
+fn refraction(fragment: RefractorFragment) -> Ray {
+    return Ray(fragment.origin.xyz, normalize(fragment.direction.xyz));
 }
 
 // What becomes of a ray in the glass.
@@ -63,7 +56,7 @@ const LOST = 3u;
 const ENDED = 4u;
 
 fn from_axis(fragment: RefractorFragment) -> vec3f {
-    let offset = fragment.origin_green.xyz - fragment.middle.xyz;
+    let offset = fragment.origin.xyz - fragment.middle.xyz;
     return offset - dot(offset, fragment.axis.xyz) * fragment.axis.xyz;
 }
 
@@ -74,7 +67,7 @@ fn way_of(fragment: RefractorFragment, start: Place) -> u32 {
     if (fragment.object.y & ENDS) != 0u {
         return ENDED;
     }
-    if fragment.direction_green.w > 0.0 {
+    if fragment.direction.w > 0.0 {
         return TOTAL;
     }
     return select(LOST, LEAVES, inside_map(start, fragment.lookup_green.w));
@@ -83,44 +76,33 @@ fn way_of(fragment: RefractorFragment, start: Place) -> u32 {
 // The diffuse edge, seen from within the glass.
 fn edge_color(fragment: RefractorFragment) -> vec3f {
     var point: SurfacePoint;
-    point.position = fragment.origin_green.xyz;
+    point.position = fragment.origin.xyz;
     point.normal = normalize(from_axis(fragment));
     point.color = vec3f(1.0);
     point.object = u32(max(fragment.middle.w, 1.0));
-    return select(vec3f(0.0), shade(point, fragment.direction_green.xyz), fragment.middle.w > 0.0);
+    return select(vec3f(0.0), shade(point, fragment.direction.xyz), fragment.middle.w > 0.0);
 }
 
 fn refracted_color(fragment: RefractorFragment) -> vec4f {
     let green = start_of(fragment.lookup_green);
-    let towards = normalize(fragment.lookup_green.xyz);
-    let dx = start_change(green, dpdx(towards), dpdx(green.place));
-    let dy = start_change(green, dpdy(towards), dpdy(green.place));
-    var color = found_color(green, refraction(fragment.origin_green, fragment.direction_green), dx, dy);
+    var color = found_color(green);
     if (fragment.object.y & THREE_COLORS) != 0u {
-        let red = refraction(fragment.origin_red, fragment.direction_red);
-        let blue = refraction(fragment.origin_blue, fragment.direction_blue);
-        color.r = found_color(start_of(fragment.lookup_red), red, dx, dy).r;
-        color.b = found_color(start_of(fragment.lookup_blue), blue, dx, dy).b;
+        color.r = found_color(start_of(fragment.lookup_red)).r;
+        color.b = found_color(start_of(fragment.lookup_blue)).b;
     }
     let way = way_of(fragment, green);
     if way == LEFT_BY_EDGE || way == TOTAL {
         let cosine = dot(normalize(viewing_direction(fragment.pixel.xy)), normalize(fragment.normal));
         return vec4f(glass_transmittance(fragment.object.x, cosine) * edge_color(fragment), 1.0);
     } else if way == LOST || way == ENDED {
-        color = sky_color(fragment.direction_green.xyz, projection.base.w);
+        color = sky_color(fragment.direction.xyz, projection.base.w);
     }
-    return vec4f(fragment.origin_green.w * lens_tint(fragment.object.x) * color, 1.0);
+    return vec4f(fragment.origin.w * lens_tint(fragment.object.x) * color, 1.0);
 }
 
 @fragment
 fn refractor_color(fragment: RefractorFragment) -> @location(0) vec4f {
     return refracted_color(fragment);
-}
-
-@fragment
-fn refractor_color_and_depth(fragment: RefractorFragment) -> ColorAndDepth {
-    let depth = depth_and_slopes(fragment.pixel, fragment.object.x) + FRONT;
-    return ColorAndDepth(refracted_color(fragment), depth);
 }
 
 // Where a fragment's path ends, and how it was found.
@@ -131,7 +113,7 @@ struct Refracted {
 }
 
 fn refracted(fragment: RefractorFragment) -> Refracted {
-    let ray = refraction(fragment.origin_green, fragment.direction_green);
+    let ray = refraction(fragment);
     let start = start_of(fragment.lookup_green);
     let edge = vec4f(ray.origin, fragment.middle.w);
     switch way_of(fragment, start) {
@@ -143,7 +125,7 @@ fn refracted(fragment: RefractorFragment) -> Refracted {
     }
     let found = find(start, ray);
     let end = end_of(found);
-    return Refracted(end, warped_status(found, start, end), found.deviation);
+    return Refracted(end, warped_status(end), found.deviation);
 }
 
 @fragment

@@ -38,7 +38,7 @@ STRIDE = -(-MOST_VIEWS * UNIFORM_BYTES // 256) * 256
 
 
 @dataclass(frozen=True)
-class PatchDraw:
+class WarpDraw:
     """The triangles of one patch, and its number among the level's patches.
 
     Parameters
@@ -79,16 +79,14 @@ class Level:
     views : list of MapView
     maps, buffers : buffers
         The projections of the maps; and triangles, with their vertices' data.
-    lookers : dict of int to PatchDraw
+    lookers : dict of int to WarpDraw
         The patch that looks up each map by its places; the faces of cube maps are looked up by directions.
     """
 
-    def __init__(
-        self, scene: SceneBuffers, layout: wgpu.GPUBindGroupLayout, antialias: int, mipmaps: bool, ends: bool
-    ) -> None:
-        self.atlas = Atlas(antialias, mipmaps, ends)
+    def __init__(self, scene: SceneBuffers, layout: wgpu.GPUBindGroupLayout, antialias: int, ends: bool) -> None:
+        self.atlas = Atlas(antialias, ends)
         self.views: list[MapView] = []
-        self.lookers: dict[int, PatchDraw] = {}
+        self.lookers: dict[int, WarpDraw] = {}
         self._scene, self._layout = scene, layout
         self._patches: list[tuple[range, tuple[int, ...]]] = []
         self._triangles: list[np.ndarray] = []
@@ -105,7 +103,7 @@ class Level:
 
     def add(
         self, body_rays: BodyRays, faces: np.ndarray, plan: MapPlan | None, views: range, bounces: int | None = None
-    ) -> PatchDraw:
+    ) -> WarpDraw:
         """Add a patch: the `faces` of a body, which show the maps of the numbers `views`; or, without a plan, none.
 
         With `bounces` it is a lens that ends the paths, because they may meet that many interfaces and no more.
@@ -116,7 +114,7 @@ class Level:
             lookups = plan.lookups[:, np.searchsorted(plan.vertices, body_rays.rays.faces[faces])]
         data = np.moveaxis(lookups, 0, 2)
         if body_rays.side.refracts:
-            data = np.concatenate([data[:, :, :, None], corner_rays(body_rays, faces)], axis=3)
+            data = np.concatenate([data, corner_rays(body_rays, faces)], axis=2)
         data = data.reshape(len(faces), -1, 4)
         if body_rays.side.refracts:
             edge = body_rays.side.lens_edge()
@@ -130,7 +128,7 @@ class Level:
         triangles = np.stack([body_rays.side.triangles[faces], flags, first, np.zeros_like(first)], axis=1)
         cube = () if plan is None else plan.cube
         sides = 1 if cube else max(len(views), 1)
-        draw = PatchDraw(
+        draw = WarpDraw(
             len(self._patches), self._triangle_count, len(faces), body_rays.side.refracts, sides, bool(cube)
         )
         if plan is not None and not cube:
@@ -195,17 +193,13 @@ class Level:
 
 
 def corner_rays(body_rays: BodyRays, faces: np.ndarray) -> np.ndarray:
-    """A lens's rays at the corners of `faces`, (F, 3, C, 2, 4), for one colour or for green, red and blue.
+    """A lens's rays of green light at the corners of `faces`, (F, 3, 2, 4).
 
     First the origin and the share of the light that goes this way, then the direction and 1 where reflection in the
     glass is total.
     """
-    records = []
-    for rays in (body_rays.rays, *body_rays.others):
-        assert rays.transmittance is not None
-        total = rays.status == RayStatus.TOTAL_REFLECTION
-        rows = np.stack(
-            [np.column_stack([rays.origins, rays.transmittance]), np.column_stack([rays.directions, total])], 1
-        )
-        records.append(rows[rays.faces[faces]])
-    return np.stack(records, axis=2)
+    rays = body_rays.rays
+    assert rays.transmittance is not None
+    total = rays.status == RayStatus.TOTAL_REFLECTION
+    rows = [np.column_stack([rays.origins, rays.transmittance]), np.column_stack([rays.directions, total])]
+    return np.stack(rows, axis=1)[rays.faces[faces]]

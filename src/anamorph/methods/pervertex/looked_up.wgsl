@@ -20,7 +20,8 @@ fn looked_up_vertex(@builtin(vertex_index) index: u32) -> @builtin(position) vec
     var low = vec2f(1.0);
     var high = vec2f(0.0);
     for (var number = 0u; number < 3u * colors; number++) {
-        let lookup = corner_data[triangle.data + select(number, 2u + 3u * number, REFRACTS == 1)];
+        let of_lens = 2u + (colors + 2u) * (number / colors) + number % colors;
+        let lookup = corner_data[triangle.data + select(number, of_lens, REFRACTS == 1)];
         low = min(low, lookup.xy / lookup.z);
         high = max(high, lookup.xy / lookup.z);
     }

@@ -1,4 +1,4 @@
-"""How a body is mounted in its scene: what stands behind it, and what lies on it.
+"""How a body is mounted in its scene: what stands behind it, and whether it has a frame.
 
 Maps are seen from behind a mirror. What stands between them and the mirror must not hide what the mirror shows.
 """
@@ -14,17 +14,11 @@ from anamorph.optics.reflection import Reflector
 from anamorph.rays.caster import Caster
 from anamorph.scene.connected import welded
 
-MOST_LAYERS = 4
-"""How many of a body's own surfaces a ray is followed through."""
-
 CLOSED = 0.9
 """The share of a closed surface behind which its own other side is."""
 
 MOSTLY = 0.4
 """The share of a border beside which something stands where there is a frame."""
-
-LYING = 0.05
-"""How far from a surface, in its sizes, what lies on it may begin."""
 
 BESIDE = 0.1
 """How far from a surface's border, in its sizes, a frame stands."""
@@ -39,30 +33,30 @@ class Mounting:
     behind : (V,) float64
         How far behind each vertex something else of the scene stands; infinite for nothing, 0 where the body has a
         frame.
-    covered : (V,) float64
-        How high a rim that lies on it rises over each vertex; 0 for none.
+    beneath : (V,) float64
+        As `behind`, whether or not the body has a frame.
     closed : bool
         Whether the surface is closed, so that no map sees anything behind it.
     """
 
     behind: np.ndarray
-    covered: np.ndarray
+    beneath: np.ndarray
     closed: bool
 
 
 def mounting_of(side: Side, caster: Caster, face_object: np.ndarray) -> Mounting:
     """How a side is mounted in the scene that `caster` casts at; `face_object` (F,) has the object of each triangle.
 
-    A lens counts as framed, with nothing lying on it.
+    A lens counts as framed.
     """
     optics = side.optics
     if not isinstance(optics, Reflector):
         nothing = np.zeros(len(optics.positions))
         return Mounting(nothing, nothing, False)
-    behind, closed = what_is_behind(caster, face_object, optics.positions, optics.normals, side.objects)
-    if _framed(caster, face_object, optics, side.objects):
-        behind = np.zeros_like(behind)
-    return Mounting(behind, _covered(caster, face_object, optics.positions, optics.normals), closed)
+    beneath, closed = what_is_behind(caster, face_object, optics.positions, optics.normals, side.objects)
+    framed = _framed(caster, face_object, optics, side.objects)
+    behind = np.zeros_like(beneath) if framed else beneath
+    return Mounting(behind, beneath, closed)
 
 
 def what_is_behind(
@@ -101,28 +95,6 @@ def _border_vertices(optics: Reflector) -> np.ndarray:
     _, kind, uses = np.unique(edges, axis=0, return_inverse=True, return_counts=True)
     vertices = np.concatenate([optics.faces[:, pair] for pair in ([0, 1], [1, 2], [2, 0])])
     return np.unique(vertices[uses[kind.ravel()] == 1])
-
-
-def _covered(caster: Caster, face_object: np.ndarray, points: np.ndarray, outward: np.ndarray) -> np.ndarray:
-    """How high what lies on a surface, at `points` (N, 3) with normals `outward`, rises near each, (N,).
-
-    That is what begins close above a point, as a rim over a mirror's border does; 0 for none. It is looked for
-    straight up and obliquely, away from the middle.
-    """
-    reach = size_of(points)
-    away = points - points.mean(axis=0)
-    oblique = outward + away / np.maximum(np.linalg.norm(away, axis=1, keepdims=True), 1e-12)
-    highest = np.zeros(len(points))
-    for directions in (outward, oblique):
-        hits = caster.cast(points, directions, 1e-5 * reach)
-        lying = (hits.triangle >= 0) & (hits.distance < LYING * reach)
-        first, height = face_object[hits.triangle], np.zeros(len(points))
-        for _ in range(MOST_LAYERS):
-            height = np.where(lying, hits.distance, height)
-            hits = caster.cast(points, directions, height + caster.near)
-            lying &= (hits.distance < reach) & (face_object[hits.triangle] == first)
-        highest = np.maximum(highest, height * np.einsum("ni,ni->n", directions, outward))
-    return highest
 
 
 def size_of(points: np.ndarray) -> float:

@@ -8,7 +8,7 @@ here. Deviation: maps are as fine as the image that they fill.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from functools import cache, partial
 from typing import Any
@@ -18,15 +18,14 @@ import wgpu
 
 from anamorph.base.errors import AnamorphError
 from anamorph.frame import View
-from anamorph.gpu.device import get_device
-from anamorph.gpu.drawing import OUTPUTS, bind_scene, make_pipeline, submit
+from anamorph.gpu.drawing import OUTPUTS, make_pipeline
 from anamorph.gpu.shaders import shader_module
-from anamorph.gpu.targets import COLOR_FORMAT, Target, begin_pass, make_texture, read_texture
+from anamorph.gpu.targets import COLOR_FORMAT
 from anamorph.methods.options import check_options
 from anamorph.methods.pervertex.atlas import MapKind
+from anamorph.methods.pervertex.finding import SurfaceDrawing
 from anamorph.methods.pervertex.frame_maps import FrameMaps, SeenBodies, interfaces
 from anamorph.methods.pervertex.level import Level, level_layout
-from anamorph.methods.pervertex.mend import Mender, doubtful_tiles
 from anamorph.methods.pervertex.options import Options
 from anamorph.methods.pervertex.surroundings import Surroundings, surroundings_of
 from anamorph.methods.pervertex.vertex_marks import VertexMarks
@@ -35,19 +34,10 @@ from anamorph.methods.session import Session
 from anamorph.methods.specular_drawing import SpecularDrawing
 from anamorph.methods.stage import Stage
 from anamorph.optics.ray_meshes import bodies_of
-from anamorph.optics.tessellation import refined_scene
 from anamorph.scene.camera import Camera
 from anamorph.scene.geometry import Geometry
 
-REFINEMENTS_BEFORE_TRACING = 3
-
-RAY_SHARE = 0.1
-"""The share of the tolerance that a fragment's own ray may take up."""
-
-ERROR_FORMAT = "r32float"
-
-
-TARGETS = {**OUTPUTS, "error": (ERROR_FORMAT,), "inconsistency": (COLOR_FORMAT,)}
+TARGETS = {**OUTPUTS, "inconsistency": (COLOR_FORMAT,)}
 """What the shaders' fragment functions are called after, and the targets that they write."""
 
 PICTURED = ("color", "inconsistency")
@@ -55,7 +45,7 @@ PICTURED = ("color", "inconsistency")
 
 
 class PerVertexDrawing(SpecularDrawing):
-    """Draws every mirror and lens of a scene by per-vertex reflection and refraction."""
+    """Draws every mirror and lens of a scene by the paper's warp of colours."""
 
     def __init__(self, stage: Stage, options: Options) -> None:
         super().__init__(stage)
@@ -66,23 +56,12 @@ class PerVertexDrawing(SpecularDrawing):
         levels = options.bounces + lenses if len(bodies) > 1 else 1
         layout = level_layout()
         self._levels = [
-            Level(stage.buffers, layout, options.antialias, options.mipmaps, ends=number + 1 < levels)
-            for number in range(levels)
+            Level(stage.buffers, layout, options.antialias, ends=number + 1 < levels) for number in range(levels)
         ]
-        self._mender: Mender | None = None
-        if options.tolerance > 0.0:
-            self._mender = Mender(stage, surroundings.caster)
-            self._errors = make_texture(stage.view.size, ERROR_FORMAT)
-            self._errors_view = self._errors.create_view()
         self._seen: SeenBodies | None = None
         self._camera: Camera | None = None
         self._marks = VertexMarks(bodies, options.overlay, options.antialias) if options.overlay != "none" else None
-        module = shader_module("methods/pervertex/doubt.wgsl", "methods/pervertex/looked_up.wgsl")
-        constants: dict[str, float] = {
-            "REFINEMENTS": options.refine,
-            "MIPMAPS": int(options.mipmaps),
-            "SKY_IMAGE": int(stage.buffers.sky_image),
-        }
+        module = shader_module("methods/pervertex/inconsistency.wgsl", "methods/pervertex/looked_up.wgsl")
 
         @cache
         def pipeline(refracts: bool, sides: int, cube: bool, output: str) -> wgpu.GPURenderPipeline:
@@ -96,8 +75,7 @@ class PerVertexDrawing(SpecularDrawing):
                 groups=(layout,),
                 samples=options.antialias if output in PICTURED else 1,
                 cull="back",
-                depth_compare="equal" if output == "error" else "greater",
-                constants={**constants, "SIDES": sides, "CUBE": int(cube), "FOLDS": int(output == "error")},
+                constants={"SKY_IMAGE": int(stage.buffers.sky_image), "SIDES": sides, "CUBE": int(cube)},
             )
 
         def depth_pipeline(vertex: str, **settings: Any) -> wgpu.GPURenderPipeline:
@@ -122,12 +100,8 @@ class PerVertexDrawing(SpecularDrawing):
         return () if self._seen is None else self._seen.replaced
 
     def deformed(self, geometry: Geometry) -> None:
-        """Have the next maps and rays see the moved scene; without vertex rays nothing is cast, and no tree follows."""
-        caster = self._surroundings.caster
-        if self._options.casts:
-            caster.moved(geometry.positions)
-        if self._mender is not None:
-            self._mender.moved(geometry)
+        """Have the next maps and rays see the moved scene."""
+        self._surroundings.caster.moved(geometry.positions)
         self._surroundings = self._surroundings.moved(geometry)
         self._maps.moved(self._surroundings)
         self._camera = None
@@ -152,14 +126,10 @@ class PerVertexDrawing(SpecularDrawing):
         self.plan(camera)
         if self._marks is not None:
             self._marks.place(self._seen, camera, self.stage.view.size, self._surroundings)
-        looks = self._options.refine > 0 or self._mender is not None or self._options.overlay == "inconsistency"
-        kinds: Sequence[MapKind] = (MapKind.COLOR,)
-        # Steps lead anywhere in a map, mipmaps blend far texels, and samples at a triangle's border look up beside it.
-        whole = looks or self._options.mipmaps or self._options.antialias > 1
-        if looks:
-            # The balls have colour, and no depth that could be taken for the scene's.
-            at_once = self._options.antialias == 1 and self._marks is None
-            kinds = (MapKind.BOTH,) if at_once else (MapKind.COLOR, MapKind.DEPTH)
+        marks = self._options.overlay == "inconsistency"
+        kinds = (MapKind.COLOR, MapKind.DEPTH) if marks else (MapKind.COLOR,)
+        # Samples at a triangle's border look up beside it.
+        whole = marks or self._options.antialias > 1
         self._maps.draw_maps(encoder, self.stage.buffers, kinds, None if whole else self.leave_out)
 
     def leave_out(self, level: Level, number: int, depth_pass: wgpu.GPURenderPassEncoder) -> None:
@@ -172,20 +142,6 @@ class PerVertexDrawing(SpecularDrawing):
         depth_pass.draw(3)
         depth_pass.set_pipeline(self._looked_up[draw.refracts])
         depth_pass.draw(6 * draw.count, 1, 6 * draw.first)
-
-    def complete(self, target: Target, camera: Camera, shift: tuple[float, float]) -> None:
-        """Have those tiles traced in which some fragment may be wrong by more than the tolerance."""
-        if self._mender is None:
-            return
-        encoder = get_device().create_command_encoder()
-        errors = replace(target, textures=(self._errors,), attachments=(self._errors_view,))
-        render_pass = begin_pass(encoder, errors, keep_depth=True)
-        bind_scene(render_pass, self.stage.buffers, self.stage.projection)
-        self._draw("error", render_pass)
-        render_pass.end()
-        submit(encoder)
-        self._mender.trace(doubtful_tiles(read_texture(self._errors), self._options.tolerance), camera, shift)
-        self._mender.draw_over(target, self.stage.projection)
 
     def prepare_seen(self, encoder: wgpu.GPUCommandEncoder) -> None:
         """Draw what the maps see, for the seen buffers."""
@@ -201,8 +157,6 @@ class PerVertexDrawing(SpecularDrawing):
     def draw_seen(self, render_pass: wgpu.GPURenderPassEncoder) -> None:
         """The mirrors' and lenses' seen buffers."""
         self._draw("seen", render_pass)
-        if self._mender is not None:
-            self._mender.draw_seen(render_pass)
 
     def _draw(self, output: str, render_pass: wgpu.GPURenderPassEncoder) -> None:
         if self._seen is not None:
@@ -217,9 +171,8 @@ class PerVertexDrawing(SpecularDrawing):
         return self._maps.figures()
 
     def diagnostics(self) -> Mapping[str, Any]:
-        """The levels of maps, the plan of the last frame, and with a tolerance the errors of its pixels."""
-        errors = None if self._mender is None else self._errors
-        return {"levels": self._levels, "seen": self._seen, "errors": errors}
+        """The levels of maps, and the plan of the last frame."""
+        return {"levels": self._levels, "seen": self._seen}
 
 
 Pipelines = Callable[[bool, int, bool, str], wgpu.GPURenderPipeline]
@@ -244,22 +197,25 @@ def _draw_in_map(pipeline: Pipelines, seen: SeenBodies, kind: MapKind, render_pa
 def open_session(view: View, options: Options) -> Session:
     """Start drawing `view` by per-vertex reflection."""
     check_options("pervertex", options)
-    if not options.casts and options.overlay != "none":
-        raise AnamorphError("pervertex: an overlay needs the vertex rays; give start=vertices")
-    if not options.casts and options.tolerance > 0.0:
-        raise AnamorphError("pervertex: a tolerance needs the vertex rays; give start=vertices")
-    if options.tolerance > 0.0:
-        if options.antialias > 1:
-            raise AnamorphError("pervertex: tolerance needs antialias=1; give more samples for a smooth image")
-        options = replace(options, refine=max(options.refine, REFINEMENTS_BEFORE_TRACING))
-        view = replace(view, scene=refined_scene(view.scene, view.size, RAY_SHARE * options.tolerance))
+    if options.map == "image" and options.tolerance > 0.0:
+        raise AnamorphError("pervertex: tolerance is for maps of surfaces; leave it out, or give map=surfaces")
+    if options.map == "surfaces":
+        for name in ("overlay", "projective"):
+            value = getattr(options, name)
+            if value != getattr(Options, name):
+                raise AnamorphError(
+                    f"pervertex: {name}={value} is for maps of colours; leave it out, or give map=image"
+                )
+        middles = partial(open_session, view, replace(options, antialias=1)) if options.antialias > 1 else None
+        stage = Stage(view)
+        return Session(stage, SurfaceDrawing(stage, options), options.antialias, middles)
     stage = Stage(view)
     return Session(stage, PerVertexDrawing(stage, options), options.antialias)
 
 
 METHOD = Method(
     name="pervertex",
-    summary="one image from the best virtual viewpoint, warped so that every vertex is exact",
+    summary="maps from the best virtual viewpoints, in which each pixel's own ray finds what it meets",
     source="Kakimoto et al. 2007, sections 3 and 4",
     options=Options,
     open=open_session,

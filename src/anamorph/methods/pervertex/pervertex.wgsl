@@ -82,10 +82,7 @@ fn reflection(fragment: ReflectorFragment) -> Reflection {
 fn reflected_color(fragment: ReflectorFragment) -> vec4f {
     let mirror = reflection(fragment);
     let start = start_of(fragment.lookup);
-    let way = normalize(fragment.lookup.xyz);
-    let dx = start_change(start, dpdx(way), dpdx(start.place));
-    let dy = start_change(start, dpdy(way), dpdy(start.place));
-    var seen = found_color(start, mirror.ray, dx, dy);
+    var seen = found_color(start);
     if !inside_map(start, fragment.lookup.w) {
         seen = sky_color(mirror.ray.direction, projection.base.w);
     }
@@ -95,13 +92,6 @@ fn reflected_color(fragment: ReflectorFragment) -> vec4f {
 @fragment
 fn reflector_color(fragment: ReflectorFragment) -> @location(0) vec4f {
     return reflected_color(fragment);
-}
-
-// In a map of another mirror: the mirror's own depth goes with it.
-@fragment
-fn reflector_color_and_depth(fragment: ReflectorFragment) -> ColorAndDepth {
-    let depth = depth_and_slopes(fragment.pixel, fragment.object.x) + FRONT;
-    return ColorAndDepth(reflected_color(fragment), depth);
 }
 
 @fragment
@@ -125,5 +115,5 @@ fn reflector_seen(fragment: ReflectorFragment) -> Seen {
     }
     let found = find(start, mirror.ray);
     let end = end_of(found);
-    return Seen(end, seen_flags(fragment.object.x, warped_status(found, start, end)), found.deviation);
+    return Seen(end, seen_flags(fragment.object.x, warped_status(end)), found.deviation);
 }

@@ -79,7 +79,7 @@ def seen_body(
     """
     vertices = body_rays.side.optics.positions
     occluder = np.zeros(len(vertices), int)
-    if position is not None and options.casts:
+    if position is not None:
         occluder = surroundings.occluders(position, vertices)
     planned = list(_planned(body_rays, size, occluder, surroundings, options, most))
     shown = [(faces, plan) for faces, plan in planned if plan is not None]
@@ -111,7 +111,7 @@ def _planned(
         if plan is not None:
             yield faces, plan
             return
-    if surroundings.mountings[side].closed and options.casts:
+    if surroundings.mountings[side].closed:
         patches = [part for patch in patches for part in part_where_hidden(rays, patch, surroundings, side.objects)]
     maps = 0
     for patch in patches:

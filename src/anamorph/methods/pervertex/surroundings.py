@@ -8,10 +8,13 @@ from itertools import product
 
 import numpy as np
 
-from anamorph.methods.pervertex.mounting import MOST_LAYERS, Mounting, mounting_of, size_of
+from anamorph.methods.pervertex.mounting import Mounting, mounting_of, size_of
 from anamorph.optics.ray_meshes import Body, Side
-from anamorph.rays.caster import Caster
+from anamorph.rays.caster import Caster, beyond
 from anamorph.scene.geometry import Geometry
+
+MOST_LAYERS = 4
+"""How many of a body's own surfaces a ray is followed through."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -74,7 +77,7 @@ class Surroundings:
             if not passed.any():
                 break
             met |= passed
-            start = np.where(passed, hits.distance + self.caster.near, start)
+            start = np.where(passed, beyond(origins, directions, hits.distance), start)
         return np.where(passed, np.inf, hits.distance), met
 
 

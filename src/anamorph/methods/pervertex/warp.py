@@ -132,45 +132,33 @@ def plan_map(
     weights = pixel_weights(rays, facing)
     if np.linalg.norm(weights @ directions[facing]) < ALL_AROUND:
         return None
-    weights = _narrowed(weights, directions[facing])
-    viewpoint, frame = _map_frame(rays.origins[facing], directions[facing], weights, options.align)
+    weights = narrowed(weights, directions[facing])
+    viewpoint, frame = frame_of(rays.origins[facing], directions[facing], weights, options.align)
     normal = near_normal(weights, outward[facing], directions[facing], frame)
     own, mounting = body_rays.side.objects, surroundings.mountings[body_rays.side]
     past, top = past_frame(
         rays, directions, np.where(np.isin(occluder, own), 0, occluder), facing, normal, surroundings
     )
-    if not options.casts:
-        # What lies on the mirror stands for what is found to hide its vertices.
-        covered = mounting.covered[vertices]
-        top = (rays.origins @ normal + covered)[covered > 0.0].max(initial=-np.inf)
-    from_inside = mounting.closed and frame.convergence > 0.0 and options.casts
+    from_inside = mounting.closed and frame.convergence > 0.0
     if from_inside and surroundings.sees(viewpoint[:3] / viewpoint[3], rays.origins[facing], own):
         # Nothing is behind the surface of a closed body: the map sees all from its viewpoint on.
         normal = frame.axes[2]
         height = float(viewpoint[:3] @ normal / viewpoint[3])
         near_plane = np.append(normal, -height - 1e2 * CLEARANCE * size_of(rays.origins))
     else:
-        near_plane = _near_plane(normal, rays.origins[facing], mounting.behind[vertices][facing], viewpoint, frame)
+        near_plane = near_plane_of(normal, rays.origins[facing], mounting.behind[vertices][facing], viewpoint, frame)
     if np.isfinite(top):
         foremost = (rays.origins[facing] @ normal).max()
-        clearance = CLEARANCE * size_of(rays.origins[facing])
-        near_plane[3] = -(foremost if options.strict else max(foremost, top)) - clearance
+        near_plane[3] = -max(foremost, top) - CLEARANCE * size_of(rays.origins[facing])
 
     # Steps 3.1 to 3.3: where the lines from the viewpoint to the hits cross the projection plane.
-    found = [_looked_up(each, frame, facing, near_plane, past, own, surroundings, options) for each in bundles]
+    found = [_looked_up(each, frame, facing, near_plane, past, own, surroundings) for each in bundles]
     hits, distances, places, inside = (np.stack(parts) for parts in zip(*found, strict=True))
-    if options.strict:
-        for number, each in enumerate(bundles):
-            directions = each.unit_directions()
-            first = surroundings.caster.cast(each.origins, directions, surroundings.caster.near)
-            met = first.triangle >= 0
-            ends = each.origins + np.where(met, first.distance, 0.0)[:, None] * directions
-            inside[number] &= (occluder > 0) | ~facing | ~met | (ends @ near_plane[:3] + near_plane[3] >= 0.0)
     if not (inside & facing).any():
         return None
     # What is seen of a triangle may reach up to its vertices that are not.
     seen = inside & (facing | (_beside(facing, corners) & (rays.status != RayStatus.TOTAL_REFLECTION)))
-    bounds = _bounds(places[seen])
+    bounds = bounds_of(places[seen])
     valid = inside & (places >= bounds[0]).all(axis=2) & (places <= bounds[1]).all(axis=2)
 
     # Step 3.4. The row of the map counts downward.
@@ -190,7 +178,7 @@ def plan_map(
         projections.insert(0, far_projection(frame, bounds))
         if not np.delete(surroundings.visible(projections[1].clip), body_rays.side.meshes).any():
             projections.pop()
-    texels, used = _texels(rays, texcoords[0], valid[0] & facing, np.ptp(bounds, axis=0))
+    texels, used = texels_of(rays, texcoords[0], valid[0] & facing, np.ptp(bounds, axis=0))
     sizes = (texels,) * len(projections)
     return MapPlan(tuple(projections), viewpoint, vertices, lookups, sizes, hits[0], distances[0], used)
 
@@ -210,12 +198,11 @@ def _looked_up(
     past: np.ndarray,
     own: tuple[int, ...],
     surroundings: Surroundings,
-    options: Options,
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
     """Hits (V, 3) and their distances (V,), their places in the image plane (V, 2), and which of these are usable."""
     directions = rays.unit_directions()
     nearest = np.maximum(crossings(rays.origins, directions, near_plane), past)
-    hits, distances, met = find_hits(rays, nearest, own, surroundings, options.casts)
+    hits, distances = find_hits(rays, nearest, own, surroundings)
     projected = frame.project(hits)
     crossed = projected[:, 2] < 0.0 if frame.convergence < 0.0 else np.zeros(len(hits), bool)
     usable = (projected[:, 2] > 0.0) | crossed
@@ -227,13 +214,11 @@ def _looked_up(
         margin = EDGE_MARGIN * (high - low).max()
         places = np.clip(np.where(usable[:, None], places, fan), low - margin, high + margin)
         usable = directions @ frame.axes[2] > 0.0
-    if options.strict:
-        usable &= ~(met & facing)
     usable &= np.abs(frame.convergence * places - frame.slope).max(axis=1) < WIDEST
     return hits, distances, places, usable
 
 
-def _narrowed(weights: np.ndarray, directions: np.ndarray) -> np.ndarray:
+def narrowed(weights: np.ndarray, directions: np.ndarray) -> np.ndarray:
     """The weights without the rays that no map around the others' mean direction can hold."""
     narrowed = weights
     for _ in range(NARROWINGS):
@@ -246,7 +231,7 @@ def _narrowed(weights: np.ndarray, directions: np.ndarray) -> np.ndarray:
     return narrowed
 
 
-def _map_frame(
+def frame_of(
     origins: np.ndarray, directions: np.ndarray, weights: np.ndarray, align: bool
 ) -> tuple[np.ndarray, MapFrame]:
     """Step 2: the virtual viewpoint (3.2), and an image plane across the mean direction, before the mirror (3.3)."""
@@ -298,7 +283,7 @@ def near_normal(weights: np.ndarray, normals: np.ndarray, directions: np.ndarray
     return normal / np.linalg.norm(normal) if ahead else frame.axes[2]
 
 
-def _near_plane(
+def near_plane_of(
     normal: np.ndarray, origins: np.ndarray, behind: np.ndarray, viewpoint: np.ndarray, frame: MapFrame
 ) -> np.ndarray:
     """The plane along the mirror, (4,), that hides what stands behind it, and little of what stands before it.
@@ -316,14 +301,14 @@ def _near_plane(
     return np.append(normal, -min(level, float(heights.max()) + clearance))
 
 
-def _bounds(places: np.ndarray) -> np.ndarray:
+def bounds_of(places: np.ndarray) -> np.ndarray:
     """The rectangle around places in the image plane, (2, 2), a little larger, and never empty."""
     low, high = places.min(axis=0), places.max(axis=0)
     margin = 0.01 * np.maximum(high - low, 1e-3 * (high - low).max() or 1e-6)
     return np.stack([low - margin, high + margin])
 
 
-def _texels(
+def texels_of(
     rays: RayMesh, texcoords: np.ndarray, valid: np.ndarray, extent: np.ndarray
 ) -> tuple[tuple[float, float], float]:
     """The map's size at which nine tenths of the image have a texel for each pixel, and the share that is used."""

@@ -1,0 +1,174 @@
+"""Maps of surfaces on the device: which triangle each texel sees, how near, and a pyramid of what is nearest."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import wgpu
+
+from anamorph.gpu.bindings import STORAGE, bind, layout_of, numbers, texture
+from anamorph.gpu.buffers import SceneBuffers
+from anamorph.gpu.device import get_device, maximum_size, of_device
+from anamorph.gpu.drawing import ProjectionUniform, bind_scene, make_pipeline, runs
+from anamorph.gpu.shaders import shader_module
+from anamorph.gpu.targets import begin_pass, make_target, make_texture
+from anamorph.methods.pervertex.atlas import LARGEST, MOST_TEXELS, arrange, shrunk
+from anamorph.projection import Projection
+
+SURFACE_FORMAT = "rgba32uint"
+NEAREST_FORMAT = "r32float"
+LEVELS = 5
+"""Of the pyramid: cells of 2 to 32 texels, at whose multiples maps begin."""
+
+
+ALIGNMENT = 1 << LEVELS
+
+SPARE = 1.4
+"""How much wider and higher than needed the textures are made: a moving eye does not bring new ones every frame."""
+
+
+@dataclass(frozen=True, eq=False)
+class SurfaceMap:
+    """One map: what it sees, and of what size.
+
+    Parameters
+    ----------
+    projection : Projection
+    size : (width, height)
+        Texels.
+    visible : (meshes,) bool
+        The meshes that it may see.
+    """
+
+    projection: Projection
+    size: tuple[int, int]
+    visible: np.ndarray
+
+
+@of_device
+def _map_layout() -> wgpu.GPUBindGroupLayout:
+    return layout_of(STORAGE, STORAGE, stages=wgpu.ShaderStage.VERTEX)
+
+
+@of_device
+def _pyramid_layout() -> wgpu.GPUBindGroupLayout:
+    return layout_of(numbers(), texture(filterable=False))
+
+
+@of_device
+def _pyramid_pipelines() -> tuple[wgpu.GPURenderPipeline, wgpu.GPURenderPipeline]:
+    module = shader_module("methods/pervertex/nearest.wgsl")
+    layout = get_device().create_pipeline_layout(bind_group_layouts=[_pyramid_layout()])
+    first, others = (
+        get_device().create_render_pipeline(
+            layout=layout,
+            vertex={"module": module, "entry_point": "covering_vertex"},
+            fragment={"module": module, "entry_point": fragment, "targets": [{"format": NEAREST_FORMAT}]},
+            primitive={"topology": "triangle-list"},
+        )
+        for fragment in ("nearest_surface", "nearest_of_four")
+    )
+    return first, others
+
+
+class SurfaceMaps:
+    """All maps of a frame in one texture.
+
+    Attributes
+    ----------
+    surfaces, nearest : textures
+        They are other ones after `place` has returned True.
+    projections : list of float32 arrays
+        Each map's `Projection` structure for shaders.
+    texels : int
+        Of all maps.
+    """
+
+    def __init__(self, scene: SceneBuffers) -> None:
+        self._scene = scene
+        self._size = (0, 0)
+        self._group = bind(_map_layout(), [scene.vertices, scene.indices])
+        self._pipeline = make_pipeline(
+            shader_module("methods/pervertex/surface_map.wgsl"),
+            "map_vertex",
+            "map_surface",
+            (SURFACE_FORMAT,),
+            buffers=(),
+            groups=(_map_layout(),),
+        )
+        self._uniforms: list[ProjectionUniform] = []
+        self._views: list[SurfaceMap] = []
+        self._corners: list[tuple[int, int]] = []
+        self._used = (1, 1)
+        self.projections: list[np.ndarray] = []
+        self.texels = 0
+
+    def place(self, views: Sequence[SurfaceMap]) -> bool:
+        """Give each of the maps its rectangle; whether the textures had to be made anew."""
+        widest = min(maximum_size(), LARGEST)
+        sizes = shrunk([view.size for view in views], widest, MOST_TEXELS, ALIGNMENT)
+        self._corners, needed = arrange(sizes, widest, ALIGNMENT)
+        self._views = [SurfaceMap(view.projection, size, view.visible) for view, size in zip(views, sizes, strict=True)]
+        self._used = max(needed[0], 1), max(needed[1], 1)
+        self.texels = sum(width * height for width, height in sizes)
+        if len(self._uniforms) < len(views):
+            self._uniforms += [ProjectionUniform() for _ in range(2 * len(views) - len(self._uniforms))]
+        self.projections = []
+        for view, corner, uniform in zip(self._views, self._corners, self._uniforms, strict=False):
+            self.projections.append(view.projection.uniform(view.size, corner))
+            get_device().queue.write_buffer(uniform.buffer, 0, self.projections[-1])
+        if all(have >= want for have, want in zip(self._size, self._used, strict=True)):
+            return False
+        self._make((_side(self._used[0], widest), _side(self._used[1], widest)))
+        return True
+
+    def _make(self, size: tuple[int, int]) -> None:
+        self._size = size
+        self._target = make_target(size, (SURFACE_FORMAT,))
+        self.surfaces = self._target.textures[0]
+        half = size[0] // 2, size[1] // 2
+        self.nearest = make_texture(half, NEAREST_FORMAT, levels=LEVELS)
+        levels = [
+            self.nearest.create_view(dimension="2d", base_mip_level=level, mip_level_count=1) for level in range(LEVELS)
+        ]
+        self._levels = [
+            (levels[level], bind(_pyramid_layout(), [self.surfaces.create_view(), levels[level - 1 if level else 1]]))
+            for level in range(LEVELS)
+        ]
+
+    def draw(self, encoder: wgpu.GPUCommandEncoder) -> None:
+        """Draw the maps, and then the pyramid."""
+        render_pass = begin_pass(encoder, self._target)
+        render_pass.set_pipeline(self._pipeline)
+        render_pass.set_bind_group(2, self._group)
+        for view, corner, uniform in zip(self._views, self._corners, self._uniforms, strict=False):
+            bind_scene(render_pass, self._scene, uniform)
+            render_pass.set_viewport(*corner, *view.size, 0.0, 1.0)
+            render_pass.set_scissor_rect(*corner, *view.size)
+            for first, last in runs(view.visible):
+                start, end = int(self._scene.first_face[first]), int(self._scene.first_face[last])
+                render_pass.draw(3 * (end - start), 1, 3 * start)
+        render_pass.end()
+        for level, (view, group) in enumerate(self._levels):
+            attachment = {"view": view, "load_op": "clear", "store_op": "store"}
+            level_pass = encoder.begin_render_pass(color_attachments=[attachment])
+            level_pass.set_pipeline(_pyramid_pipelines()[min(level, 1)])
+            level_pass.set_bind_group(0, group)
+            used, sides = (
+                [-(-side >> (level + 1)) for side in self._used],
+                [side >> (level + 1) for side in self._size],
+            )
+            level_pass.set_scissor_rect(0, 0, min(used[0], sides[0]), min(used[1], sides[1]))
+            level_pass.draw(3)
+            level_pass.end()
+
+
+def _side(needed: int, widest: int) -> int:
+    """The side of a texture with so many texels: an odd number of alignments, three at least.
+
+    No level of the pyramid then has a power of two texels a side: software Vulkan would compile shaders again.
+    """
+    wanted = min(int(SPARE * needed), widest) // ALIGNMENT
+    return min((wanted | 1) * ALIGNMENT if wanted >= 3 else 3 * ALIGNMENT, widest)

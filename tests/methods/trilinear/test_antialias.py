@@ -94,7 +94,7 @@ def test_the_average_of_smooth_images_comes_close_to_that_of_many():
 def test_a_ray_mesh_that_ends_within_the_image_ends_smoothly_and_not_darker():
     scene = replace(flat_scene(), meshes=flat_scene().meshes[:1])
     camera = RAYS["pinhole"](SIZE)
-    small = replace(camera, image=camera.image * [0.6, 0.6, 1.0] + camera.image[:, 2:] * [20.25, 15.25, 0.0])
+    small = replace(camera, image=camera.image * [0.6, 0.6, 1.0] + camera.image[:, 2:] * [20.5, 15.5, 0.0])
     smooth = color(scene, small, "trilinear:antialias=4")
     levels = np.unique(np.round(smooth[15] @ [1.0, 1.0, 1.0] / np.sum(PLAIN_SKY.zenith), 2))
     assert set(levels) <= {0.0, 0.25, 0.5, 0.75, 1.0} and 1.0 > levels[1] > 0.0
@@ -148,3 +148,11 @@ def test_every_color_is_smooth_through_glass_that_disperses():
     wrong, before = (np.abs(each - mean)[counted].mean(axis=0) for each in (smooth, one))
     assert counted.sum() > 1000
     assert (wrong < 0.4 * before).all()
+
+
+def test_what_is_seen_of_a_pixel_is_seen_from_its_middle():
+    scene = scene_with(spherical_mirror())
+    one, smooth = (drawn(scene, f"trilinear:antialias={n}") for n in (1, 4))
+    assert np.abs(one.color - smooth.color).max() > 0.1
+    for name in ("position", "object_id", "specular", "status", "ray_origin", "ray_direction"):
+        assert (getattr(one, name) == getattr(smooth, name)).all()

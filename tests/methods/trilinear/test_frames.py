@@ -82,7 +82,11 @@ def assert_same_geometry(reference: Frame, frame: Frame) -> None:
     wrong = np.minimum(errors.maps.pixels, errors.maps.angular)[count]
     # A few pixels stand where rays cross, which no float32 resolves.
     assert np.percentile(wrong, 99.9) <= 0.01 and wrong.max() <= 1.0
-    assert np.percentile(np.where(reference.object_id > 0, errors.maps.pixels, 0.0)[count], 95) <= 0.01
+    # At the poles of a sphere a pixel is less than what float32 resolves of a ray.
+    offset = reference.position - reference.ray_origin
+    unresolved = np.linalg.norm(frame.position - reference.position, axis=-1) <= 5e-7 * np.linalg.norm(offset, axis=-1)
+    counted = (reference.object_id > 0) & ~unresolved
+    assert np.percentile(np.where(counted, errors.maps.pixels, 0.0)[count], 95) <= 0.01
     differ = (reference.object_id != frame.object_id) & ~ends
     assert differ.sum() <= 0.01 * errors.maps.specular.sum()
 
@@ -168,12 +172,10 @@ def test_a_body_does_not_show_its_own_back():
     positions = (0.3 * ball.vertices + [0.0, 0.5, 0.0]).astype(np.float32)
     mirror = Mesh("mirror", positions, ball.faces.astype(np.int32), ball.vertices.astype(np.float32), Mirror())
     reference, frame = (drawn(scene_with(mirror), method) for method in (REFERENCE, ONCE))
-    backs = (reference.object_id == 1) & (reference.specular == 1) & (reference.status == Status.TRACED)
-    assert backs.sum() > 100
-    assert not ((frame.object_id == 1) & (frame.specular == 1) & (frame.status == Status.PROJECTED)).any()
-    assert (frame.object_id == reference.object_id)[
-        ~silhouettes(backs, reference.object_id, reference.specular)
-    ].mean() > 0.95
+    for each, found in ((reference, Status.TRACED), (frame, Status.PROJECTED)):
+        assert not ((each.object_id == 1) & (each.specular == 1) & (each.status == found)).any()
+    plain = ~silhouettes(reference.object_id, reference.specular)
+    assert (frame.object_id == reference.object_id)[plain].mean() > 0.99
 
 
 @pytest.mark.parametrize("shift", [(0.31, -0.47), (-0.45, 0.4)])

@@ -92,7 +92,7 @@ def test_tinted_glass_takes_its_share_of_the_light_at_either_face():
 
 
 OBLIQUE = {
-    "thick": (PLUS, Camera((0.16, 0.5, 0.44), tuple(CENTER.tolist()), field_of_view=30.0), "pervertex"),
+    "thick": (PLUS, Camera((0.16, 0.5, 0.44), tuple(CENTER.tolist()), field_of_view=30.0), "pervertex:map=image"),
     "concave": (MINUS, Camera((0.2, 0.5, 0.46), tuple(CENTER.tolist()), field_of_view=30.0), "raytrace:truth=raymesh"),
 }
 """Who looks along a lens sees its edge and total reflection. Where a ray mesh is coarse for that, what is the same for
@@ -114,6 +114,31 @@ def test_total_reflection_and_the_way_out_by_the_edge_are_told_and_drawn(name):
     assert min(total.sum(), edge.sum()) > 40
     assert (frame.object_id == 3)[edge].mean() > 0.95 and (frame.object_id == 3)[total].mean() > 0.95
     assert np.percentile(np.abs(frame.color - reference.color)[edge], 90) <= 0.01
+
+
+def test_what_is_seen_of_an_edge_is_where_the_ray_in_the_glass_meets_it():
+    prescription, camera, _ = OBLIQUE["thick"]
+    scene = scene_of(lens_of(prescription), camera=camera)
+    frame, edge = drawn(scene, "trilinear", IMAGE), scene.meshes[2]
+    seen = (frame.specular > 0) & (frame.object_id == 3) & (frame.status == Status.PROJECTED)
+    assert seen.sum() > 40
+    corners = edge.positions[edge.faces].astype(float)
+    axis = np.linalg.svd(edge.normals.astype(float))[2][2]
+
+    def heights(points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Along the axis, and from it."""
+        offset = points - edge.positions.mean(axis=0)
+        along = offset @ axis
+        return along, np.linalg.norm(offset - along[..., None] * axis, axis=-1)
+
+    (along, radius), (_, middle) = heights(corners), heights(corners.mean(axis=1))
+    places, distances = heights(frame.position[seen].astype(float))
+    # The edge has facets; and where a ray triangle reaches from the edge to the far face, rays may miss it by a little.
+    within = (places >= along.min() - 1e-5) & (places <= along.max() + 1e-5)
+    assert within.mean() > 0.95
+    assert (distances <= radius.max() + 1e-6)[within].all() and (distances >= 0.99 * middle.min())[within].all()
+    entered = heights(frame.ray_origin[seen].astype(float))[1]
+    assert (entered <= radius.max() + 1e-6).all()
 
 
 def test_behind_a_lens_with_nothing_behind_it_is_the_sky():

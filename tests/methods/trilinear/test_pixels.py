@@ -10,7 +10,7 @@ from scenes import SIZE, open_view
 
 from anamorph.base.compiled import compiled
 from anamorph.gallery import make
-from anamorph.methods.trilinear.pixels import seen_pixels
+from anamorph.methods.trilinear.pixels import seen_samples
 from anamorph.methods.trilinear.plan import Plan
 from anamorph.methods.trilinear.polygons import span
 from anamorph.methods.trilinear.ray_layer import piece_corners
@@ -111,7 +111,7 @@ def test_pixels_are_those_whose_middle_sees_the_triangle(seed):
     random = np.random.default_rng(seed)
     plan = plan_of(random, 12)
     chosen = np.sort(random.choice(12, 7, replace=False))
-    box, count = seen_pixels(plan, chosen)
+    box, count = seen_samples(plan, chosen)
     x, y = np.meshgrid(np.arange(-40, 40) + 0.5, np.arange(-40, 40) + 0.5)
     middles = np.stack([x.ravel(), y.ravel()], axis=1)
     for row, pair in enumerate(chosen):

@@ -1,7 +1,7 @@
 """Trilinear projection: every scene triangle projected through every ray triangle that may see it.
 
-Source: Vallance, "Trilinear projection" (PhD thesis, 2005). What is not in it makes the edges exact: each pixel decides
-by its own ray what it sees. A shader that is not listed has the name of its module.
+Source: Vallance, "Trilinear projection" (PhD thesis, 2005). What is not in it makes the edges exact: each sample
+decides by its own ray what it sees. A shader that is not listed has the name of its module.
 
 | chapter of the thesis | what | module |
 | --- | --- | --- |
@@ -10,12 +10,12 @@ by its own ray what it sees. A shader that is not listed has the name of its mod
 | 3.1 to 3.6 | where a ray triangle sees a point: the cubic and its roots | `raytriangle` |
 | 3.7 | which scene triangles a ray triangle may see | `box_tree`, `plan` |
 | not in it | which of them it sees, and in which pieces of the image | `pairs`, `terms`, `pieces`, `polygons` |
-| not in it | which pixels see a pair; the nearest pair of each pixel | `pixels`; `visibility` |
+| not in it | which samples see a pair; the nearest pair of each sample | `pixels`; `visibility` |
 | 4, 5 | in place of these two: straight lines between projected corners | `straight` |
 | 7.2.3 | rays that go on from a mirror seen in a mirror | `samples`, `following` |
-| not in it | the colour of each pixel, and of its samples at edges | `coloring`, `sighting.wgsl`, `edges.wgsl` |
+| not in it | where each sample's path ends, for the visibility buffer | `path_ends` |
 | | all of this for the rays of one bounce, and as the device reads it | `ray_layer`, `ray_records` |
-| | all bounces, and the frame | `trilinear`, `composed.wgsl` |
+| | all bounces, and the frame | `trilinear` |
 """
 
 from anamorph.methods.trilinear.trilinear import METHOD as METHOD

@@ -1,7 +1,7 @@
 """One layer of an image: the rays that leave the specular surfaces first met, or those that go on from a second one.
 
-Each layer plans what its rays see, finds it for each pixel, and colours it over the layer before. The first one's rays
-come from ray_triangles.py; those of the next follow from what it sees of mirrors.
+Each layer plans what its rays see, finds it for each sample, and writes it over what the layer before has found. The
+first one's rays come from ray_triangles.py; those of the next follow from what it sees of mirrors.
 """
 
 from __future__ import annotations
@@ -14,24 +14,25 @@ import wgpu
 
 from anamorph.gpu.drawing import ProjectionUniform
 from anamorph.gpu.recording import Recorder
+from anamorph.gpu.visibility import VisibilityBuffer
 from anamorph.methods.trilinear.beams import Beams, making_beams
 from anamorph.methods.trilinear.box_tree import BoxTree
-from anamorph.methods.trilinear.coloring import Coloring
 from anamorph.methods.trilinear.following import following_rays
 from anamorph.methods.trilinear.pairs import FRONTS, Own
-from anamorph.methods.trilinear.pixels import seen_pixels
+from anamorph.methods.trilinear.path_ends import PathEnds
+from anamorph.methods.trilinear.pixels import seen_samples
 from anamorph.methods.trilinear.plan import Plan, Planner
 from anamorph.methods.trilinear.ray_records import following_records, pair_records, piece_records, triangle_records
 from anamorph.methods.trilinear.ray_triangles import RayTriangles
-from anamorph.methods.trilinear.visibility import FINENESS, Visibility
+from anamorph.methods.trilinear.visibility import Visibility
 
 Straight = Callable[[np.ndarray, np.ndarray, np.ndarray, np.ndarray, np.ndarray], np.ndarray]
 """What makes pieces with straight edges: of ray triangles' images, origins and directions, all scene triangles'
 corners, and pairs of both."""
 
 AROUND = 1.0 / 8.0
-"""Pixels by which rays that follow are planned beyond the middles of the pixels that ask for them. Next to the curved
-mirror that they left they spread wide: a whole pixel's may see all of the scene, of which its middle sees one point."""
+"""Pixels by which rays that follow are planned beyond the samples that ask for them. Next to the curved mirror that
+they left they spread wide: a whole pixel's may see all of the scene, of which a sample sees one point."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -83,12 +84,12 @@ class RayLayer:
     """The rays of one bounce, of one line of the spectrum. What may take long is done in steps."""
 
     def __init__(
-        self, visibility: Visibility, coloring: Coloring, size: tuple[int, int], straight: Straight | None = None
+        self, visibility: Visibility, ends: PathEnds, size: tuple[int, int], straight: Straight | None = None
     ) -> None:
-        self.visibility, self.coloring = visibility, coloring
+        self.visibility, self.ends = visibility, ends
         self._size, self._straight = size, straight
         # A straight edge may show what no ray sees.
-        self._spacing = 0.0 if straight is not None else 1.0 / FINENESS if visibility.fine is not None else 1.0
+        self._spacing = 0.0 if straight is not None else 1.0 / visibility.kind.side
         self._planner = Planner()
 
     def beams(self, rays: RayTriangles, triangles: SceneTriangles) -> Generator[None, None, Beams]:
@@ -129,27 +130,27 @@ class RayLayer:
         pair = before.plan.pair
         goes_on = before.records["met"][before.beams.number] < bounces
         chosen = np.flatnonzero((pair[:, 2] == 1) & triangles.mirror[pair[:, 1]] & goes_on[pair[:, 0]])
-        box, pixels = seen_pixels(before.plan, chosen)
-        chosen, box = chosen[pixels > 0], box[pixels > 0]
+        box, count = seen_samples(before.plan, chosen, self._spacing)
+        chosen, box = chosen[count > 0], box[count > 0]
         if not len(chosen):
             return None
         sent = following_rays(before.beams, before.plan, chosen, triangles.corners, triangles.normals)
         yield
-        # The rectangle of the middles of the pixels that see the mirror: pieces may reach further.
+        # The rectangle of the samples that see the mirror: pieces may reach further.
         low_high = box + AROUND * np.array([-1.0, -1.0, 1.0, 1.0])
         domain = low_high[:, [[0, 1], [2, 1], [2, 3], [0, 3]]] + before.beams.center[pair[chosen, 0]][:, None]
         beams = yield from making_beams(
-            sent.image, sent.origins, sent.directions, self._size, triangles.near, 1.0, domain
+            sent.image, sent.origins, sent.directions, self._size, triangles.near, self._spacing, domain
         )
         if not len(beams.number):
             return None
         face = pair[chosen, 1]
-        count = len(chosen)
-        nothing = np.zeros(count, np.int32)
+        number = len(chosen)
+        nothing, never = np.zeros(number, np.int32), np.zeros(number, bool)
         rays = RayTriangles(
-            sent.image, sent.origins, sent.directions, np.ones((count, 3)),
-            np.ones(count, bool), np.zeros(count, bool),
-            face, triangles.object[face], triangles.group[face], np.full(count, FRONTS, np.int32), nothing,
+            sent.image, sent.origins, sent.directions, np.ones((number, 3)),
+            np.ones(number, bool), never, never,
+            face, triangles.object[face], triangles.group[face], np.full(number, FRONTS, np.int32), nothing,
         )  # fmt: skip
         plan = yield from self.plan(rays, beams, triangles)
         records = following_records(
@@ -163,14 +164,21 @@ class RayLayer:
         return LayerPlan(beams, plan, records, pairs)
 
     def draw(
-        self, encoder: wgpu.GPUCommandEncoder, recorder: Recorder, projection: ProjectionUniform, clear: bool
+        self,
+        encoder: wgpu.GPUCommandEncoder,
+        recorder: Recorder,
+        projection: ProjectionUniform,
+        found: VisibilityBuffer,
+        depth: wgpu.GPUTextureView | None,
+        line: int,
     ) -> Generator[None, None, wgpu.GPUCommandEncoder]:
-        """Find what is seen, and colour it; returns the encoder to go on with."""
-        encoder = yield from self.visibility.draw(encoder, recorder, projection)
-        if self.visibility.many:
-            encoder = recorder.part(encoder)
-            yield
-        self.coloring.draw(encoder, projection, clear)
+        """Find what is seen, and write it into a line of the visibility buffer; returns the encoder to go on with.
+
+        With a `depth`, rays that are drawn on surfaces are only found where these are not behind it.
+        """
+        depth = None if self.visibility.kind.bare else depth
+        encoder = yield from self.visibility.draw(encoder, recorder, projection, depth)
+        self.ends.draw(encoder, projection, found, depth, line)
         if self.visibility.many:
             encoder = recorder.part(encoder)
             yield

@@ -33,8 +33,17 @@ RAY_TRIANGLE = np.dtype(
     ]
 )  # fmt: skip
 
-TOTAL, ENDS = np.uint32(1), np.uint32(2)
-"""What happens in a lens, where light does not go through: reflection is total, or the path ends."""
+LENS = np.dtype(
+    [
+        ("middle", "f4", 3), ("radius", "f4"),
+        ("axis", "f4", 3), ("first_face", "u4"),
+        ("stop_face", "u4"), ("padding", "u4", 3),
+    ]
+)  # fmt: skip
+
+TOTAL, ENDS, BY_EDGE = np.uint32(1), np.uint32(2), np.uint32(4)
+"""What happens in a lens, where light does not go through: reflection is total, the path ends, or it leaves by the
+edge."""
 
 SPECULAR = np.uint32(0x80000000)
 """What marks the front of a specular surface among the triangles seen."""
@@ -47,7 +56,7 @@ def triangle_records(rays: RayTriangles, beams: Beams) -> np.ndarray:
     for corner in range(3):
         records[f"corner_{corner}"] = rays.image[:, corner]
     records["face"], records["object"], records["first"] = np.maximum(rays.face, 0), rays.object, rays.object
-    records["lens"], records["inner"] = rays.lens, np.where(rays.total, TOTAL, np.uint32(0))
+    records["lens"], records["inner"] = rays.lens, TOTAL * rays.total + BY_EDGE * rays.by_edge
     records["met"] = np.where(rays.lens > 0, 2, np.where(rays.object > 0, 1, 0))
     shown = beams.number
     records["number"][shown] = shown + 1
@@ -67,7 +76,7 @@ def going_on(beams: Beams, records: np.ndarray, bounces: int) -> Beams:
     ends = records["met"] > bounces
     if not ends.any():
         return beams
-    records["inner"][ends] = ENDS
+    records["inner"][ends] = records["inner"][ends] & BY_EDGE | ENDS
     kept = ~ends[beams.number]
     return beams._replace(**{name: each[kept] for name, each in beams._asdict().items() if np.ndim(each)})
 
@@ -133,4 +142,24 @@ def piece_records(beams: Beams, plan: Plan) -> np.ndarray:
     records = np.zeros(len(plan.owner), PIECE)
     place = plan.place + beams.center[plan.pair[plan.owner, 0]][:, None]
     records["place"], records["pair"] = place.reshape(-1, 6), plan.owner
+    return records
+
+
+def lens_records(edges: np.ndarray, first_face: np.ndarray) -> np.ndarray:
+    """The lenses, (L,) of `LENS`, at least one.
+
+    Parameters
+    ----------
+    edges : (L, 2, 4) float64
+        From `lens_edges`.
+    first_face : (objects + 1,) int64
+        The first triangle of each object.
+    """
+    records = np.zeros(max(len(edges), 1), LENS)
+    if len(edges):
+        number = edges[:, 0, 3].astype(int)
+        records["middle"], records["axis"] = edges[:, 0, :3], edges[:, 1, :3]
+        records["radius"] = edges[:, 1, 3]
+        records["first_face"] = np.where(number > 0, first_face[number - 1], 0)
+        records["stop_face"] = np.where(number > 0, first_face[number], 0)
     return records

@@ -29,8 +29,8 @@ class RayTriangles:
         What share of the light goes this way; 1 for mirrors, whose reflectance the pixels find for themselves.
     exists : (K,) bool
         Whether there are rays at all, and on a surface, whether the eye sees its front.
-    total : (K,) bool
-        Whether reflection in the glass is total.
+    total, by_edge : (K,) bool
+        Whether reflection in the glass is total, and whether some rays leave it by its edge.
     face : (K,) int32
         The triangle of the scene that each one is, or -1.
     object : (K,) int32
@@ -47,6 +47,7 @@ class RayTriangles:
     transmittance: np.ndarray
     exists: np.ndarray
     total: np.ndarray
+    by_edge: np.ndarray
     face: np.ndarray
     object: np.ndarray
     group: np.ndarray
@@ -57,9 +58,9 @@ class RayTriangles:
 def camera_triangles(rays: RayMesh) -> RayTriangles:
     """The ray triangles of a ray mesh that is itself the camera."""
     count = len(rays.faces)
-    nothing = np.zeros(count, np.int32)
+    nothing, never = np.zeros(count, np.int32), np.zeros(count, bool)
     return RayTriangles(
-        *_corners(rays), np.ones((count, 3)), _any_direction(rays), np.zeros(count, bool),
+        *_corners(rays), np.ones((count, 3)), _any_direction(rays), never, never,
         np.full(count, -1, np.int32), nothing, np.full(count, -1, np.int32), np.full(count, ALL, np.int32), nothing,
     )  # fmt: skip
 
@@ -112,6 +113,7 @@ def _side_triangles(side: Side, rays: RayMesh, geometry: Geometry, group: int, l
         np.ones((count, 3)) if rays.transmittance is None else rays.transmittance[rays.faces],
         _any_direction(rays) & fronts,
         (rays.status == RayStatus.TOTAL_REFLECTION)[rays.faces].any(axis=1),
+        _beyond_edge(side, rays.origins)[rays.faces].any(axis=1) if lens else np.zeros(count, bool),
         side.triangles.astype(np.int32),
         geometry.face_object[side.triangles].astype(np.int32),
         np.full(count, group, np.int32),
@@ -126,6 +128,13 @@ def _corners(rays: RayMesh) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
 
 def _any_direction(rays: RayMesh) -> np.ndarray:
     return rays.directions[rays.faces].any(axis=(1, 2))
+
+
+def _beyond_edge(side: Side, origins: np.ndarray) -> np.ndarray:
+    """Whether rays start farther from a lens's axis than its edge is, but for the rounding of f32."""
+    (*middle, _), (*axis, radius) = side.lens_edge()
+    offset = origins - middle
+    return np.linalg.norm(offset - np.outer(offset @ axis, axis), axis=1) > 0.999 * radius
 
 
 def _joined(parts: list[RayTriangles]) -> RayTriangles:

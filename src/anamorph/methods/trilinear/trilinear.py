@@ -2,17 +2,18 @@
 
 Source: Vallance, "Trilinear projection" (PhD thesis, 2005). A mirror, a lens, or a camera made by hand is a mesh of ray
 triangles (chapters 2, 5 to 7; ray_triangles.py). What each of them sees of the scene is planned on the processor
-(beams, box_tree, pairs, plan), found by the device without a ray being cast (visibility.py), and coloured
-(coloring.py); here it becomes a part of the image.
+(beams, box_tree, pairs, plan), found by the device without a ray being cast (visibility.py), and written into the
+visibility buffer (path_ends.py).
 
 Deviation: the thesis draws straight lines between the projected corners of a scene triangle, and more corners where
-these are too wrong, which `edges=straight` does (straight/). Else each pixel decides by its own ray.
+these are too wrong, which `edges=straight` does (straight/). Else each sample decides by its own ray.
 """
 
 from __future__ import annotations
 
 from collections.abc import Generator, Mapping
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -20,30 +21,25 @@ import wgpu
 
 from anamorph.base.errors import AnamorphError
 from anamorph.frame import View
-from anamorph.gpu.bindings import bind, layout_of, texture
 from anamorph.gpu.buffers import storage_buffer
-from anamorph.gpu.drawing import make_pipeline
-from anamorph.gpu.shaders import shader_module
-from anamorph.gpu.targets import COLOR_FORMAT, make_target
+from anamorph.gpu.targets import Target
+from anamorph.methods.finding import FindingDrawing
 from anamorph.methods.options import check_options, option
 from anamorph.methods.protocol import Method
 from anamorph.methods.session import Session
-from anamorph.methods.specular_drawing import SpecularDrawing
 from anamorph.methods.stage import Stage
+from anamorph.methods.tracing.paths import specular_rectangle
 from anamorph.methods.trilinear.box_tree import make_tree, moved_tree
-from anamorph.methods.trilinear.coloring import Coloring
+from anamorph.methods.trilinear.path_ends import PathEnds
 from anamorph.methods.trilinear.ray_layer import LayerPlan, RayLayer, SceneTriangles
-from anamorph.methods.trilinear.ray_records import add_incident, going_on, triangle_records
+from anamorph.methods.trilinear.ray_records import add_incident, going_on, lens_records, triangle_records
 from anamorph.methods.trilinear.ray_triangles import body_groups, body_triangles, camera_triangles, lens_edges
 from anamorph.methods.trilinear.straight import StraightEdges
-from anamorph.methods.trilinear.visibility import Kind, Visibility, data_layout
+from anamorph.methods.trilinear.visibility import Kind, Visibility
 from anamorph.optics.ray_meshes import bodies_of
 from anamorph.raymesh import RayMesh
 from anamorph.scene.camera import Camera
 from anamorph.scene.geometry import Geometry
-
-LINES = wgpu.ColorWrite.ALL, wgpu.ColorWrite.RED, wgpu.ColorWrite.BLUE
-"""What is drawn of the light of each line: green's everywhere, then red and blue over it."""
 
 NEAR = 1e-6
 """What is nearer than this to where its ray starts is that itself, as a share of the scene's coordinates."""
@@ -69,7 +65,7 @@ class Options:
         followed after the first mirror or lens. Where a lens is met after a mirror, or one interface too many, the path
         goes on as if nothing followed.
     antialias : int
-        Samples a pixel: 1 or 4. Each scene triangle is coloured once a pixel. What mirrors show in mirrors keeps one.
+        Samples a pixel: 1 or 4.
     dispersion : bool
         Whether red and blue light goes its own way through glass that has an Abbe number.
     """
@@ -83,15 +79,16 @@ class Options:
     dispersion: bool = True
 
 
-class TrilinearDrawing(SpecularDrawing):
-    """Draws what an image's ray triangles see."""
+class TrilinearDrawing(FindingDrawing):
+    """Finds what an image's ray triangles see."""
 
     def __init__(self, stage: Stage, options: Options) -> None:
-        super().__init__(stage)
-        self._options = options
-        scene, size, geometry = stage.view.scene, stage.view.size, stage.geometry
         self._bare = not stage.has_pinhole
-        self._bodies = bodies_of(scene, geometry)
+        self._bodies = bodies_of(stage.view.scene, stage.geometry)
+        disperses = any(side.disperses for body in self._bodies for side in body.sides)
+        self._disperses = disperses and options.dispersion and not self._bare
+        super().__init__(stage, 3 if self._disperses else 1, options.antialias)
+        self._options, geometry = options, stage.geometry
         corners = np.asarray(geometry.positions, float)[geometry.faces]
         group, normals = body_groups(self._bodies, geometry)
         mirror = np.isin(geometry.face_object, np.array(stage.buffers.mirrors) + 1)
@@ -99,32 +96,13 @@ class TrilinearDrawing(SpecularDrawing):
             make_tree(corners), corners, normals, group,
             geometry.face_object.astype(np.int32), mirror, NEAR * float(np.abs(corners).max(initial=0.0)),
         )  # fmt: skip
-        self._planned: list[LayerPlan] = []
-        self._colors = make_target(size, (COLOR_FORMAT,))
-        lenses = lens_edges(self._bodies).astype(np.float32)
-        self._lenses = storage_buffer(lenses if len(lenses) else np.zeros((1, 2, 4), np.float32))
-        disperses = any(side.disperses for body in self._bodies for side in body.sides)
-        disperses = disperses and options.dispersion and not self._bare
-        self._lines = [self._line(mask) for mask in (LINES if disperses else LINES[:1])]
-        whole = layout_of(texture())
-        self._whole = bind(whole, [self._colors.textures[0].create_view()])
-        module = shader_module("methods/trilinear/composed.wgsl")
+        self._planned: list[list[LayerPlan]] = []
+        self._lenses = storage_buffer(lens_records(lens_edges(self._bodies), stage.buffers.first_face))
+        self._lines = [self._line() for _ in self.visibility.textures]
 
-        def composed(vertex: str, fragment: str, **settings: Any) -> wgpu.GPURenderPipeline:
-            groups, formats, samples = (data_layout(), whole), (COLOR_FORMAT,), options.antialias
-            return make_pipeline(
-                module, vertex, fragment, formats, buffers=(), groups=groups, samples=samples, **settings
-            )
-
-        if self._bare:
-            self._composed = composed("bare_owner_vertex", "composed_color")
-            self._rim = composed("sky_vertex", "composed_rim", depth_compare="greater-equal")
-        else:
-            self._composed = composed("surface_owner_vertex", "composed_color", cull="back")
-
-    def _line(self, mask: int) -> list[RayLayer]:
-        """The layers of light that is written with a mask."""
-        stage, options = self.stage, self._options
+    def _line(self) -> list[RayLayer]:
+        """The layers of the light of one line of the spectrum."""
+        stage, options, buffer = self.stage, self._options, self.visibility
         straight = None
         if options.edges == "straight":
             straight = StraightEdges(options.tessellate, options.slices, options.clip == "scene").pieces
@@ -134,17 +112,12 @@ class TrilinearDrawing(SpecularDrawing):
         layers: list[RayLayer] = []
         for bounce in range(bounces):
             bare = self._bare or bounce > 0
-            kind = Kind(
-                bare,
-                fine=options.antialias > 1 and bounce == 0,
-                straight=straight is not None,
-                glass=not bare and any(side.refracts for body in self._bodies for side in body.sides),
-                meets_specular=bool(self._triangles.group.any()),
-            )
-            seen, shown = (layers[-1].visibility, layers[-1].coloring) if layers else (None, None)
-            visibility = Visibility(stage.buffers, self._lenses, stage.view.size, kind, seen)
-            coloring = Coloring(stage.buffers, visibility, self._colors, mask, shown, bounce + 1 < bounces)
-            layers.append(RayLayer(visibility, coloring, stage.view.size, straight))
+            glass = not bare and any(side.refracts for body in self._bodies for side in body.sides)
+            kind = Kind(bare, buffer.side, straight is not None, glass)
+            seen, ended = (layers[-1].visibility, layers[-1].ends) if layers else (None, None)
+            visibility = Visibility(stage.buffers, self._lenses, buffer.size, kind, seen)
+            ends = PathEnds(stage.buffers, visibility, ended, bounce + 1 < bounces)
+            layers.append(RayLayer(visibility, ends, stage.view.size, straight))
         return layers
 
     @property
@@ -160,16 +133,21 @@ class TrilinearDrawing(SpecularDrawing):
     def prepare(
         self, encoder: wgpu.GPUCommandEncoder, camera: Camera | RayMesh, shift: tuple[float, float]
     ) -> Generator[None, None, wgpu.GPUCommandEncoder]:
-        """Plan what each ray triangle sees, find it for each pixel, and colour it, in steps."""
-        recorder = self.stage.recorder
-        size, projection = self.stage.view.size, self.stage.projection
-        if not self._bare and not self._bodies:
-            return encoder
+        """Plan what each ray triangle sees, in steps."""
+        size = self.stage.view.size
+        self.visibility.show(None)
+        self._planned = []
         if isinstance(camera, RayMesh):
+            self.looked, rectangle = (camera, shift), (0, 0, *size)
             lines = [camera_triangles(camera)]
         else:
-            lines = body_triangles(self._bodies, self.stage.geometry, camera.eye(size), self._options.dispersion)
-        for number, (unmoved, layers) in enumerate(zip(lines, self._lines, strict=False)):
+            self.look(camera, shift)
+            seen = specular_rectangle(self.stage.view.scene, camera, size)
+            if seen is None:
+                return encoder
+            rectangle = seen
+            lines = body_triangles(self._bodies, self.stage.geometry, camera.eye(size), self._disperses)
+        for unmoved, layers in zip(lines, self._lines, strict=False):
             rays = replace(unmoved, image=unmoved.image - unmoved.image[..., 2:] * [*shift, 0.0])
             beams = yield from layers[0].beams(rays, self._triangles)
             records = triangle_records(rays, beams)
@@ -177,42 +155,45 @@ class TrilinearDrawing(SpecularDrawing):
                 add_incident(records, beams, camera, size, shift)
             beams = going_on(beams, records, self._options.bounces)
             planned = [(yield from layers[0].first(rays, beams, records, self._triangles))]
-            encoder = yield from layers[0].draw(encoder, recorder, projection, clear=number == 0)
             for layer in layers[1:]:
                 follows = yield from layer.follow(planned[-1], self._triangles, self._options.bounces)
                 if follows is None:
                     break
-                encoder = yield from layer.draw(encoder, recorder, projection, clear=False)
                 planned.append(follows)
-            self._planned = planned if number == 0 else self._planned
+            self._planned.append(planned)
+        self.visibility.show(rectangle, len(self._planned))
         return encoder
 
-    def draw_color(self, render_pass: wgpu.GPURenderPassEncoder) -> None:
-        """What the rays see, where it belongs in the image."""
+    def find(
+        self, encoder: wgpu.GPUCommandEncoder, target: Target, camera: Camera | RayMesh, shift: tuple[float, float]
+    ) -> Generator[None, None, wgpu.GPUCommandEncoder] | None:
+        """Find what each sample sees, in steps; what a layer finds takes the place of what it follows."""
         if not self._planned:
-            return
-        first = self._lines[0][0].visibility
-        render_pass.set_pipeline(self._composed)
-        first.bind(render_pass)
-        render_pass.set_bind_group(3, self._whole)
-        render_pass.draw(3 * first.count)
-        if self._bare and self._options.antialias > 1:
-            render_pass.set_pipeline(self._rim)
-            render_pass.draw(3)
+            return None
+        return self._finding(encoder, None if self._bare else self.depth_of(encoder, target))
 
-    def draw_seen(self, render_pass: wgpu.GPURenderPassEncoder) -> None:
-        """The seen buffers, by the d line."""
-        for layer, _ in zip(self._lines[0], self._planned, strict=False):
-            layer.coloring.draw_seen(render_pass)
+    def _finding(
+        self, encoder: wgpu.GPUCommandEncoder, depth: wgpu.GPUTextureView | None
+    ) -> Generator[None, None, wgpu.GPUCommandEncoder]:
+        recorder, projection = self.stage.recorder, self.stage.projection
+        for line, (layers, planned) in enumerate(zip(self._lines, self._planned, strict=False)):
+            for layer, _ in zip(layers, planned, strict=False):
+                encoder = yield from layer.draw(encoder, recorder, projection, self.visibility, depth, line)
+        return encoder
+
+    @property
+    def _layers(self) -> list[LayerPlan]:
+        """What was planned for green light."""
+        return self._planned[0] if self._planned else []
 
     def figures(self) -> dict[str, float]:
         """How many pairs of ray triangle and scene triangle the last frame took, and in how many pieces."""
-        plans = [layer.plan for layer in self._planned]
+        plans = [layer.plan for layer in self._layers]
         return {"pairs": sum(len(plan.pair) for plan in plans), "pieces": sum(len(plan.owner) for plan in plans)}
 
     def diagnostics(self) -> Mapping[str, Any]:
         """The scene's triangles, and what was planned for each layer of the last frame."""
-        return {"triangles": self._triangles, "layers": self._planned}
+        return {"triangles": self._triangles, "layers": self._layers}
 
 
 def open_session(view: View, options: Options) -> Session:
@@ -225,7 +206,8 @@ def open_session(view: View, options: Options) -> Session:
     elif options.antialias > 1:
         raise AnamorphError("trilinear: antialias is for exact edges; leave it out, or give edges=exact")
     stage = Stage(view)
-    return Session(stage, TrilinearDrawing(stage, options), options.antialias)
+    middles = partial(open_session, view, replace(options, antialias=1)) if options.antialias > 1 else None
+    return Session(stage, TrilinearDrawing(stage, options), options.antialias, middles)
 
 
 METHOD = Method(

@@ -1,19 +1,19 @@
-"""Which scene triangle each pixel's ray meets, on the device: what `plan` has planned, asked for per pixel.
+"""Which scene triangle each sample's ray meets, on the device: what `plan` has planned, asked for per sample.
 
-Two passes, without a ray being cast: the ray triangles, each pixel getting the one whose part of the image it is in;
-and the pieces of all pairs, of which each pixel keeps the nearest that holds it.
+Two passes, without a ray being cast: the ray triangles, each sample getting the one whose part of the image it is in;
+and the pieces of all pairs, of which each sample keeps the nearest that holds it.
 """
 
 from __future__ import annotations
 
-from collections.abc import Generator
-from dataclasses import dataclass
+from collections.abc import Generator, Sequence
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 import wgpu
 
-from anamorph.gpu.bindings import STORAGE, bind, layout_of, texture
+from anamorph.gpu.bindings import STORAGE, bind, layout_of, numbers, texture
 from anamorph.gpu.buffers import SceneBuffers, grown_buffer
 from anamorph.gpu.device import get_device, of_device
 from anamorph.gpu.drawing import ProjectionUniform, bind_scene, make_pipeline
@@ -28,13 +28,6 @@ WEIGHTS_FORMAT = "rg32float"
 AT_ONCE = 3 * 2**13
 """Corners of pieces that the device is given at once."""
 
-FINENESS = 2
-"""Samples of a pixel along each axis, where there is more than one."""
-
-
-def _numbers() -> dict[str, Any]:
-    return {"texture": {"view_dimension": "2d", "sample_type": "uint"}}
-
 
 @of_device
 def data_layout() -> wgpu.GPUBindGroupLayout:
@@ -44,10 +37,16 @@ def data_layout() -> wgpu.GPUBindGroupLayout:
 
 @of_device
 def views_layout() -> wgpu.GPUBindGroupLayout:
-    """The layout of group 3: the pixels' ray triangles, what these see, and with straight edges the weights there; for
-    rays that go on, the throughput before them; and the first two for several samples a pixel."""
+    """The layout of group 3: the samples' ray triangles, what these see, and with straight edges the weights there; for
+    rays that go on, the throughput before them."""
     unfiltered = texture(filterable=False)
-    return layout_of(_numbers(), _numbers(), unfiltered, unfiltered, _numbers(), _numbers())
+    return layout_of(numbers(), numbers(), unfiltered, unfiltered)
+
+
+@of_device
+def _unused(form: str) -> wgpu.GPUTextureView:
+    """Stands in for a texture that nothing reads."""
+    return make_target((1, 1), (form,)).textures[0].create_view()
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,35 +62,21 @@ class Views:
     owners: Target
     seen: Target
 
-    def textures(self) -> list[wgpu.GPUTextureView]:
+    @property
+    def textures(self) -> list[wgpu.GPUTexture]:
         """Of both."""
-        return [each.create_view() for each in (*self.owners.textures, *self.seen.textures)]
+        return [*self.owners.textures, *self.seen.textures]
 
 
-@of_device
-def _unused(form: str) -> wgpu.GPUTextureView:
-    """Stands in for a texture that nothing reads."""
-    return make_target((1, 1), (form,)).textures[0].create_view()
-
-
-def bind_views(
-    views: Views | None,
-    fine: Views | None = None,
-    throughput: wgpu.GPUTextureView | None = None,
-    owned: bool = False,
-) -> wgpu.GPUBindGroup:
-    """Group 3; with `owned` nothing but the pixels' ray triangles, for finding the rest."""
-    number, weight = _unused(NUMBER_FORMAT), _unused(WEIGHTS_FORMAT)
-    first, second = ([number, number, weight], [number, number])
-    if views is not None:
-        first = [*views.textures(), weight][:3] if not owned else [views.textures()[0], number, weight]
-    if fine is not None:
-        second = fine.textures()[:2]
-    return bind(views_layout(), [*first, _unused(COLOR_FORMAT) if throughput is None else throughput, *second])
+def bind_views(textures: Sequence[wgpu.GPUTexture], throughput: wgpu.GPUTexture | None = None) -> wgpu.GPUBindGroup:
+    """Group 3: the first of its textures, in their order, and the last; what is not given is not read."""
+    formats = NUMBER_FORMAT, NUMBER_FORMAT, WEIGHTS_FORMAT, COLOR_FORMAT
+    views = [*(each.create_view() for each in textures), *map(_unused, formats[len(textures) :])]
+    return bind(views_layout(), [*views[:3], views[3] if throughput is None else throughput.create_view()])
 
 
 def make_views(size: tuple[int, int], straight: bool) -> Views:
-    """Targets for an image of `size` (width, height)."""
+    """Targets for an image of `size` (width, height), samples."""
     owners = make_target(size, (NUMBER_FORMAT,))
     seen = make_target(size, (NUMBER_FORMAT, WEIGHTS_FORMAT)[: 1 + straight], depth=owners.depth)
     return Views(owners, seen)
@@ -105,21 +90,18 @@ class Kind:
     ----------
     bare : bool
         Whether ray triangles are drawn where their own image says, or where the surface is that they are on.
-    fine : bool
-        Whether several samples of each pixel are looked at besides its middle.
+    side : int
+        Samples along each side of a pixel.
     straight : bool
         Whether scene triangles have straight edges, and what lies between their corners is interpolated.
     glass : bool
         Whether some ray triangles are on lenses.
-    meets_specular : bool
-        Whether a specular front may be among what is seen.
     """
 
     bare: bool
-    fine: bool
+    side: int
     straight: bool
     glass: bool
-    meets_specular: bool
 
 
 class Visibility:
@@ -129,9 +111,9 @@ class Visibility:
     ----------
     buffers : SceneBuffers
     lenses : buffer
-        As `trilinear.wgsl` reads them.
+        As `visibility.wgsl` reads them.
     size : (width, height)
-        Of the image.
+        Of the image, samples.
     kind : Kind
     before : Visibility, optional
         Whose rays these send on.
@@ -139,9 +121,6 @@ class Visibility:
     Attributes
     ----------
     views : Views
-        By pixels' middles.
-    fine : Views or None
-        By samples.
     count : int
         How many ray triangles there are.
     """
@@ -157,9 +136,8 @@ class Visibility:
         self._buffers, self._lenses, self.kind = buffers, lenses, kind
         straight = kind.straight
         self.views = make_views(size, straight)
-        self.fine = make_views((FINENESS * size[0], FINENESS * size[1]), straight) if kind.fine else None
-        self._owned = [bind_views(views, owned=True) for views in self._all()]
-        self._source = bind_views(None if before is None else before.views)
+        self._owned = bind_views(self.views.owners.textures)
+        self._source = bind_views([] if before is None else before.views.textures)
         self._held: list[wgpu.GPUBuffer | None] = [None, None, None]
         self._data: wgpu.GPUBindGroup | None = None
         self._corners, self.count = 0, 0
@@ -170,14 +148,11 @@ class Visibility:
             groups = data_layout(), views_layout()
             return make_pipeline(module, vertex, fragment, formats, buffers=(), groups=groups, **settings)
 
-        drawn, cull = ("bare", "none") if kind.bare else ("surface", "back")
+        drawn, cull, nearest = ("bare", "none", "greater") if kind.bare else ("surface", "back", "greater-equal")
         entry = "owner" if before is None else "following_owner"
-        self._owner = pipeline(f"{drawn}_owner_vertex", entry, self.views.owners, cull=cull)
+        self._owner = pipeline(f"{drawn}_owner_vertex", entry, self.views.owners, cull=cull, depth_compare=nearest)
         pieces = ("straight_vertex", "straight_visible") if straight else ("piece_vertex", "visible")
-        self._visible = [
-            pipeline(*pieces, self.views.seen, constants={"PIXEL": pixel})
-            for pixel in ((1.0, 1.0 / FINENESS) if kind.fine else (1.0,))
-        ]
+        self._visible = pipeline(*pieces, self.views.seen, constants={"PIXEL": 1.0 / kind.side})
 
     @property
     def many(self) -> bool:
@@ -197,36 +172,38 @@ class Visibility:
             get_device().queue.write_buffer(buffer, 0, content)
 
     def draw(
-        self, encoder: wgpu.GPUCommandEncoder, recorder: Recorder, projection: ProjectionUniform
+        self,
+        encoder: wgpu.GPUCommandEncoder,
+        recorder: Recorder,
+        projection: ProjectionUniform,
+        depth: wgpu.GPUTextureView | None = None,
     ) -> Generator[None, None, wgpu.GPUCommandEncoder]:
-        """Find every pixel's ray triangle, and what it sees; and every sample's, if there are several.
+        """Find every sample's ray triangle, and what it sees.
+
+        With a `depth`, ray triangles are only found where nothing nearer is in it, and leave their own.
 
         Many pieces are handed to the device in parts, each a step; returns the encoder to go on with.
         """
-        for views, visible, owned in zip(self._all(), self._visible, self._owned, strict=True):
-            self._draw(encoder, projection, views.owners, self._owner, self._source, range(3 * self.count))
-            for first in range(0, max(self._corners, 1), AT_ONCE):
-                if first:
-                    encoder = recorder.part(encoder)
-                    yield
-                some = range(first, min(first + AT_ONCE, self._corners))
-                self._draw(encoder, projection, views.seen, visible, owned, some, keep=first > 0)
+        owners = self.views.owners if depth is None else replace(self.views.owners, depth=depth)
+        render_pass = begin_pass(encoder, owners, keep_depth=depth is not None)
+        self._draw(render_pass, projection, self._owner, self._source, range(3 * self.count))
+        for first in range(0, max(self._corners, 1), AT_ONCE):
+            if first:
+                encoder = recorder.part(encoder)
+                yield
+            some = range(first, min(first + AT_ONCE, self._corners))
+            render_pass = begin_pass(encoder, self.views.seen, clear=first == 0)
+            self._draw(render_pass, projection, self._visible, self._owned, some)
         return encoder
-
-    def _all(self) -> list[Views]:
-        return [views for views in (self.views, self.fine) if views is not None]
 
     def _draw(
         self,
-        encoder: wgpu.GPUCommandEncoder,
+        render_pass: wgpu.GPURenderPassEncoder,
         projection: ProjectionUniform,
-        target: Target,
         pipeline: wgpu.GPURenderPipeline,
         group: wgpu.GPUBindGroup,
         corners: range,
-        keep: bool = False,
     ) -> None:
-        render_pass = begin_pass(encoder, target, clear=not keep)
         bind_scene(render_pass, self._buffers, projection)
         self.bind(render_pass)
         render_pass.set_bind_group(3, group)

@@ -1,10 +1,10 @@
-// Which scene triangle each pixel's ray meets: first whose ray it is, then what that ray triangle sees.
+// Which scene triangle each sample's ray meets: first whose ray it is, then what that ray triangle sees.
 // needs: gpu/scene.wgsl, gpu/vertices.wgsl
 //
 // In a ray triangle everything is a polynomial of the place in the image, relative to the ray triangle's center. The
 // weights of a scene triangle's corners, all times one number, are quadratics; N, which is positive where the triangle is
 // seen from the side that the pair stands for, and N times the distance are linear. No edge is drawn straight, and
-// nothing is interpolated: each pixel asks for itself.
+// nothing is interpolated: each sample asks for itself.
 
 struct Quadratic {
     xx: f32, xy: f32, yy: f32, x: f32, y: f32, one: f32,
@@ -68,7 +68,7 @@ struct RayTriangle {
     incident_x: vec3f,
     transmittance_one: f32,
     incident_y: vec3f,
-    // The row of the lens, from 1, or 0 for a mirror; and what keeps light from going through it: TOTAL or ENDS, or 0.
+    // The row of the lens, from 1, or 0 for a mirror; and what keeps light from going through it: TOTAL, ENDS, BY_EDGE.
     lens: u32,
     incident_one: vec3f,
     inner: u32,
@@ -83,6 +83,7 @@ struct RayTriangle {
 
 const TOTAL = 1u;
 const ENDS = 2u;
+const BY_EDGE = 4u;
 
 @group(2) @binding(0) var<storage, read> vertices: array<StoredVertex>;
 @group(2) @binding(1) var<storage, read> indices: array<u32>;
@@ -91,27 +92,27 @@ const ENDS = 2u;
 @group(2) @binding(4) var<storage, read> pieces: array<Piece>;
 // A lens, from the side by which rays enter.
 struct Lens {
-    // The middle of the edge of its far face, and the edge's object number; 0 for none.
-    middle: vec4f,
-    // Its axis, and its radius.
-    axis: vec4f,
+    // The middle of the far face's border.
+    middle: vec3f,
+    radius: f32,
+    axis: vec3f,
+    // The edge's triangles in the scene's index buffer; none where it has no mesh.
+    first_face: u32,
+    stop_face: u32,
 }
 
 @group(2) @binding(5) var<storage, read> lenses: array<Lens>;
 
-// The ray triangle of each pixel, by its number; 0 for none. While these are found for rays that go on, those before.
+// The ray triangle of each sample, by its number; 0 for none. While these are found for rays that go on, those before.
 @group(3) @binding(0) var owners: texture_2d<u32>;
-// The scene triangle that each pixel sees, from 1, and whether it is the front of a specular surface; 0 for the sky.
+// The scene triangle that each sample sees, from 1, and whether it is the front of a specular surface; 0 for the sky.
 @group(3) @binding(1) var triangles_seen: texture_2d<u32>;
 // With straight edges, the weights of its second and third corner.
 @group(3) @binding(2) var weights_seen: texture_2d<f32>;
 // Of rays that go on, what share of their light reaches the eye, by colour.
 @group(3) @binding(3) var throughput: texture_2d<f32>;
-// The first two for several samples a pixel.
-@group(3) @binding(4) var sample_owners: texture_2d<u32>;
-@group(3) @binding(5) var samples_seen: texture_2d<u32>;
 
-// Pixels of the image for one of what is drawn: less than 1 where there are several samples a pixel.
+// Pixels of the image from one sample to the next.
 override PIXEL: f32 = 1.0;
 
 fn quadratic_at(terms: Quadratic, place: vec2f) -> f32 {

@@ -31,7 +31,7 @@ from anamorph.scene.camera import Camera
 COMPETITORS = ("raytrace", "raytrace:tree=rebuild")
 """The ray tracer with both ways to follow the motion; the faster one is what every time is compared with."""
 
-DEFAULT = ("pervertex:refine=1,start=direction",)
+DEFAULT = ("pervertex",)
 """What is timed against it where nothing is chosen."""
 
 RATE = 30.0

@@ -28,8 +28,8 @@ SEEN = ("position", "object_id", "specular", "status", "deviation")
 EXAMPLES = """examples:
   anamorph render car-mirror -o mirror.png
   anamorph render model.glb -m environment -o model.png --size 1920x1080
-  anamorph render car-mirror -m pervertex:antialias=4,mipmaps=true -o mirror.webp --seen position=seen.npy
-  anamorph render car-mirror --tolerance 0.5 -o sure.png --seen status=status.npy deviation=deviation.npy
+  anamorph render car-mirror -m pervertex:antialias=4 -o mirror.webp --seen position=seen.npy
+  anamorph render car-mirror --tolerance 0.5 -o sure.png --seen status=status.npy
   anamorph render mirror.step --scene car-mirror --faces 1 -o mirror.png
   anamorph compare car-mirror -m pervertex -m environment --html report.html --json report.json
   anamorph view
@@ -131,7 +131,7 @@ def make_parser() -> argparse.ArgumentParser:
     )
     render.add_argument("--size", metavar="WxH", type=_size, help=size)
     render.add_argument("--samples", metavar="N", type=_samples, default=1, help="N x N samples a pixel (1)")
-    tolerance = "trace what a method's own check finds off by more pixels than this (pervertex)"
+    tolerance = "trace what may be off by more pixels than this (pervertex)"
     render.add_argument("--tolerance", metavar="PX", type=float, help=tolerance)
     render.add_argument(
         "--seen",
@@ -188,6 +188,10 @@ def make_parser() -> argparse.ArgumentParser:
         )
         return added
 
+    about = "time what auto chooses between, and fit the costs that it chooses by"
+    choice = benchmarks.add_parser("choice", help=about, description=about, allow_abbrev=False)
+    choice.set_defaults(run="bench choice")
+    choice.add_argument("--size", metavar="WxH", type=_size, help=size)
     deforming = benchmark("deforming", "time methods while a scene of 300,000 triangles deforms")
     deforming.add_argument("--size", metavar="WxH", type=_size, help=size)
     deforming.add_argument("--frames", metavar="N", type=_timed_frames, default=30, help="how many are timed (30)")
@@ -206,7 +210,7 @@ def make_parser() -> argparse.ArgumentParser:
     for added in (render, compare, view, turntable):
         add_cad_options(added)
     command("scenes", "list the built-in scenes")
-    command("info", "print the graphics adapter, the versions and the methods")
+    command("info", "print the graphics adapter, the versions, the methods, and what auto chooses by")
     demo = command("demo", "render car-mirror by three methods, with a page that compares them")
     demo.add_argument("--output", metavar="DIR", type=Path, default=Path("demo-output"), help="where to (demo-output)")
     return parser

@@ -98,10 +98,10 @@ def _render(arguments: argparse.Namespace) -> None:
     frame.save(arguments.output)
     for name, path in arguments.seen:
         save_array(path, getattr(frame, name))
-    if arguments.tolerance is not None and frame.specular is not None:
-        shares = status_shares(frame, frame.specular > 0).items()
-        shown = ", ".join(f"{status} {share:.1f} %" for status, share in shares)
-        print(f"pixels of mirrors and lenses: {shown or 'none'}")
+    if frame.specular is not None:
+        shares = {"doubtful": 0.0, **status_shares(frame, frame.specular > 0)}
+        shown = ", ".join(f"{status} {share:.1f} %" for status, share in shares.items())
+        print(f"pixels of mirrors and lenses: {shown}")
     lost, ended = gaps(frame, scene)
     if lost + ended > NOTEWORTHY:
         share = f"{100.0 * (lost + ended):.0f}% of the pixels of mirrors and lenses"
@@ -182,6 +182,17 @@ def _bench_deforming(arguments: argparse.Namespace) -> None:
     print_table(deforming_table(times))
 
 
+def _bench_choice(arguments: argparse.Namespace) -> None:
+    from anamorph.bench.choice import choice_table
+    from anamorph.files.scene_file import DEFAULT_SIZE
+    from anamorph.measure.table import print_table
+
+    with progress_bar("timing auto") as report:
+        table, costs = choice_table(arguments.size or DEFAULT_SIZE, report=report)
+    print_table(table)
+    print(f"fitted costs: {costs}")
+
+
 def _bench_editing(arguments: argparse.Namespace) -> None:
     from anamorph.bench.editing import SIZE, editing_table
     from anamorph.measure.table import print_table
@@ -221,8 +232,11 @@ def _scenes(arguments: argparse.Namespace) -> None:
 def _info(arguments: argparse.Namespace) -> None:
     from anamorph.gpu.device import adapter_name
     from anamorph.methods import METHODS
+    from anamorph.methods.auto import costs_here
 
-    facts = {"adapter": adapter_name(), **versions(), "methods": ", ".join(METHODS)}
+    costs = costs_here()
+    choice = "searches every mirror and lens" if costs is None else str(costs)
+    facts = {"adapter": adapter_name(), **versions(), "methods": ", ".join(METHODS), "auto": choice}
     for name, value in facts.items():
         print(f"{name:12} {value}")
 
@@ -242,13 +256,16 @@ def _remedy(specification: Specification, ended: bool) -> str:
     from anamorph.methods.pervertex import MAXIMUM_BOUNCES
 
     method, options = specification.method, specification.options
+    if method.name == "auto" or (method.name == "pervertex" and options.tolerance > 0.0):
+        return f"-m raytrace:bounces={2 * MAXIMUM_BOUNCES}"
     if method.name != "pervertex":
         return f"-m {method.name}:bounces={min(2 * max(options.bounces, 1), 255)}"
-    if options.tolerance > 0.0:
-        return f"-m raytrace:bounces={2 * MAXIMUM_BOUNCES}"
+    if options.map == "surfaces":
+        return "-m auto"
     if ended and options.bounces < MAXIMUM_BOUNCES:
-        return f"more bounces than {options.bounces}, as -m pervertex:bounces={MAXIMUM_BOUNCES}, or --tolerance 0.5"
-    return "--tolerance 0.5"
+        more = f"-m pervertex:map=image,bounces={MAXIMUM_BOUNCES}"
+        return f"more bounces than {options.bounces}, as {more}, or -m auto"
+    return "-m auto"
 
 
 def _check_distinct(*paths: Path) -> None:
@@ -263,6 +280,7 @@ COMMANDS = {
     "compare": _compare,
     "view": _view,
     "turntable": _turntable,
+    "bench choice": _bench_choice,
     "bench deforming": _bench_deforming,
     "bench editing": _bench_editing,
     "bench trilinear": _bench_trilinear,

@@ -17,7 +17,7 @@ from anamorph.rendering import draw_frame
 SCENE = "car-mirror"
 SIZE = DEFAULT_SIZE
 IMAGES = {
-    "pervertex": ("pervertex:antialias=4,mipmaps=true", 1),
+    "pervertex": ("pervertex:antialias=4", 1),
     "environment": ("environment:antialias=4", 2),
     "raytrace": ("raytrace", 3),
 }

@@ -26,12 +26,11 @@ from anamorph.scene.model import Scene
 
 @dataclass(frozen=True)
 class BuiltIn:
-    """A built-in scene: its name, one line for lists, how to make it, and the options of the method that draws it."""
+    """A built-in scene: its name, one line for lists, and how to make it."""
 
     name: str
     summary: str
     make: Callable[[], Scene]
-    method: str = "pervertex"
 
 
 SCENES: dict[str, BuiltIn] = {
@@ -51,7 +50,6 @@ SCENES: dict[str, BuiltIn] = {
             "facing-mirrors",
             "two flat mirrors before each other, not quite parallel: a tunnel",
             facing_mirrors,
-            "pervertex:bounces=8",
         ),
         BuiltIn("torus", "a closed mirror ring on its exact surface, over a chequered floor", torus),
         BuiltIn("deforming", "a convex mirror over a rolling sea with flags: 300,000 moving triangles", deforming),

@@ -17,16 +17,17 @@ IMAGES = Path(__file__).resolve().parent / "images"
 
 SHOWN = {
     **{f"car-mirror-{name}": ("car-mirror", *drawn) for name, drawn in demo.IMAGES.items()},
-    "car-mirror-overlay": ("car-mirror", "pervertex:antialias=4,mipmaps=true,overlay=mesh", 1),
-    "flat-mirror-pervertex": ("flat-mirror", "pervertex:antialias=4,mipmaps=true", 1),
-    "room-pervertex": ("room", "pervertex:antialias=4,mipmaps=true", 1),
+    "car-mirror-overlay": ("car-mirror", "pervertex:map=image,antialias=4,overlay=mesh", 1),
+    "flat-mirror-pervertex": ("flat-mirror", "pervertex:antialias=4", 1),
+    "room-pervertex": ("room", "pervertex:antialias=4", 1),
     "room-raytrace": ("room", "raytrace", 3),
 }
 """Scene, method and samples of each image."""
 
 STATUS_COLORS = {
     an.Status.DIRECT: (235, 235, 230),
-    an.Status.WARPED: (33, 145, 140),
+    an.Status.PROVED: (33, 145, 140),
+    an.Status.DOUBTFUL: (240, 175, 40),
     an.Status.SKY: (130, 175, 230),
     an.Status.OUTSIDE: (215, 60, 40),
 }

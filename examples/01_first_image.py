@@ -4,7 +4,7 @@ import numpy as np
 
 import anamorph as an
 
-frame = an.render("car-mirror", method="pervertex", size=(640, 480), antialias=4, mipmaps=True, seen=True)
+frame = an.render("car-mirror", method="pervertex", size=(640, 480), antialias=4, seen=True)
 frame.save("mirror.png")
 
 scene, _ = an.open_scene("car-mirror")

@@ -252,8 +252,9 @@ def test_the_table_of_methods_names_them_all_with_their_modules_and_options():
         module = inspect.getsourcefile(method.open)
         assert module and (ROOT / links_in(row[1])[0]).samefile(module)
         shader = ROOT / links_in(row[2])[0]
-        # What the tracer colours, other methods have traced too: that shader stands beside the methods' rooms.
-        assert shader.suffix == ".wgsl" and shader.parent in (Path(module).parent, Path(module).parents[1] / "tracing")
+        # What is found is coloured by the one pass of all methods, which stands beside the device.
+        rooms = Path(module).parent, Path(module).parents[2] / "gpu", Path(module).parents[1] / "pervertex"
+        assert shader.suffix == ".wgsl" and shader.parent in rooms[: 3 if method.name == "auto" else 2]
         assert re.findall(r"`(\w+)`", row[4]) == [field.name for field in dataclasses.fields(method.options)]
 
 

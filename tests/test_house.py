@@ -32,8 +32,9 @@ LOWEST = ("base", "surfaces", "scene")
 NOT_BELOW = {"argparse", "OCP", "embreex", "wgpu", "rendercanvas", "imgui_bundle", "uvicorn"}
 """The command line, CAD, rays and the viewer: the lowest rooms know nothing of them."""
 
-ACROSS = {("environment", "pervertex")}
-"""Methods that import another: planar reflection is a special case of per-vertex reflection."""
+ACROSS = {("environment", "pervertex"), ("auto", "pervertex"), ("auto", "raytrace")}
+"""Methods that import another: planar reflection is a special case of per-vertex reflection, and `auto` is a choice
+between methods."""
 
 OTHERS_OWN = {
     "_replace": "of named tuples, public by Python's own word",

@@ -12,19 +12,21 @@ from wgsl import bound, constants, declared, layout_of, rooms, texts
 from anamorph.base.steps import drain
 from anamorph.frame import Status
 from anamorph.gpu.buffers import MOST_LIGHTS, OBJECT, VERTEX
-from anamorph.methods.pervertex import level
-from anamorph.methods.pervertex.atlas import LEVELS
+from anamorph.methods.pervertex import finding, level, looking, surface_maps
 from anamorph.methods.pervertex.overlay import BALL_VERTICES
 from anamorph.methods.tracing.bounces import DIFFUSE, MIRROR
 from anamorph.methods.tracing.launch import GivenRays
+from anamorph.methods.tracing.packing import packed
 from anamorph.methods.tracing.paths import PathTracer
-from anamorph.methods.tracing.tiles import RECORD_BYTES
 from anamorph.methods.trilinear import ray_records
 from anamorph.methods.trilinear.straight import edges
+from anamorph.optics import exact_sides
 from anamorph.projection import UNIFORM_BYTES, camera_projection
+from anamorph.raymesh import RayStatus
 from anamorph.rays.caster import Caster
 from anamorph.raytriangle import on_device, solve
 from anamorph.scene.geometry import flatten
+from anamorph.surfaces import device_numbers
 from anamorph.viewer.lines import CANVAS_BYTES, STROKE_FLOATS
 
 EVERYWHERE = declared(texts("gpu"))
@@ -38,9 +40,12 @@ RECORDS = [
         {"position": "x", "normal": "normal_x", "texcoord": "u", "color": "color_red_green"},
     ),
     ("gpu", "Object", OBJECT, {"padding": "padding_0"}),
+    ("optics", "ExactSide", exact_sides.EXACT_SIDE, {}),
     ("raytriangle", "RayTriangle", on_device.RAY_TRIANGLE, {"vectors": "center", "padding": None}),
     ("raytriangle", "Projections", on_device.FOUND, {}),
+    ("methods/pervertex", "LookingTriangle", looking.LOOKING, {}),
     ("methods/trilinear", "RayTriangle", ray_records.RAY_TRIANGLE, {}),
+    ("methods/trilinear", "Lens", ray_records.LENS, {"padding": None}),
     ("methods/trilinear", "Pair", ray_records.PAIR, {"terms": "first", "center": "center_x"}),
     ("methods/trilinear", "Piece", ray_records.PIECE, {"place": "x0"}),
     ("methods/trilinear/straight", "StraightCorner", edges.STRAIGHT_CORNER, {"place": "x", "weights": "second"}),
@@ -50,10 +55,10 @@ RECORDS = [
 SIZES = [
     ("gpu", "Projection", UNIFORM_BYTES),
     ("gpu", "Lighting", 16 * (5 + 2 * MOST_LIGHTS)),
-    ("methods/pervertex", "PatchMaps", level.MOST_VIEWS * UNIFORM_BYTES),
+    ("methods/pervertex", "PatchMaps", finding.MOST_VIEWS * UNIFORM_BYTES),
+    ("methods/pervertex", "WarpMaps", level.MOST_VIEWS * UNIFORM_BYTES),
     ("methods/pervertex", "WarpedTriangle", 4 * 4),
-    ("methods/tracing", "PathEnd", RECORD_BYTES),
-    ("methods/trilinear", "Lens", 4 * 2 * 4),
+    ("methods/tracing", "TracedPath", 2 * 4 * 4),
     ("raytriangle", "Two", 4 * 2 * 4),
     ("raytriangle", "Block", 4 * 3),
     ("viewer", "Stroke", 4 * STROKE_FLOATS),
@@ -124,18 +129,21 @@ def test_the_end_of_a_path_is_packed_member_by_member():
     geometry = flatten(scene)
     tracer = PathTracer(scene, geometry, Caster(geometry), max_bounces=0)
     record = drain(tracer.tracing(GivenRays(np.array([[0.05, 0.5, 2.0]]), np.array([[0.0, 0.0, -3.0]]))))[0]
-    members = {name: offset // 4 for name, offset in structure("methods/tracing", "PathEnd").members.items()}
+    members = {name: offset // 4 for name, offset in structure("gpu", "PathEnd").members.items()}
 
     def member(name, count=1):
         return record[members[name] :][:count]
 
     assert member("origin", 3) == pytest.approx([0.05, 0.5, 2.0])
     assert member("direction", 3) == pytest.approx([0.0, 0.0, -1.0])
-    assert member("distance") == pytest.approx([2.0])
     assert member("throughput", 3) == pytest.approx([1.0, 1.0, 1.0])
+    assert record[11] == pytest.approx(2.0)
     triangle = int(member("triangle").view(np.int32)[0])
+    first, second = packed(record[None])[:, 0]
+    assert first.tolist() == [*member("origin", 3).view(np.uint32), triangle + 1], "shaders count triangles from 1"
+    assert second[2] == member("flags").view(np.uint32)[0]
     a, b, c = geometry.positions[geometry.faces[triangle]].astype(float)
-    second, third = member("barycentric", 2)
+    second, third = record[12:14]
     assert (1.0 - second - third) * a + second * b + third * c == pytest.approx([0.05, 0.5, 0.0], abs=1e-6)
     # Looked at and left at once: the mirror is the first specular object, and the bounce limit the end.
     flags = int(member("flags").view(np.uint32)[0])
@@ -150,12 +158,25 @@ def test_the_numbers_of_statuses_are_those_of_the_shaders():
     assert {status.name for status in Status} - said.keys() == {"TRACED"}, "only traced paths tell that"
 
 
+def test_what_becomes_of_a_bent_ray_has_the_numbers_of_its_status():
+    said = {name.removeprefix("RAY_"): n for name, n in constants(texts("optics")).items() if name.startswith("RAY_")}
+    assert said.pop("MISSED") not in list(RayStatus), "only the device tells that"
+    assert said == {name: RayStatus[name] for name in said} and len(said) == 3
+
+
+@pytest.mark.parametrize("name", ["UNKNOWN_SURFACE", "ROUND", "TOROID", "ASPHERE", "PATCH"])
+def test_the_kinds_of_exact_surfaces_have_the_numbers_of_the_shaders(name):
+    assert constants(texts("surfaces"))[name] == getattr(device_numbers, name)
+
+
 def test_object_and_status_share_a_number_as_the_session_takes_it_apart():
     (shift,) = re.findall(r"return specular \| \(status << (\d+)u\);", texts("gpu"))
     assert int(shift) == 16, "session.py and records of paths keep the object in the low 16 bits"
-    tiles = texts("methods/tracing")
-    assert set(re.findall(r"path\.flags >> (\d+)u", tiles)) == {shift}
-    assert set(re.findall(r"path\.flags & (0x[0F]+)u", tiles)) <= {"0xFFFFFF"}, "without the bounces above the status"
+    assert set(re.findall(r"\.flags >> (\d+)u", texts("gpu"))) == {shift}
+    assert set(re.findall(r"status << (\d+)u", texts("methods/pervertex"))) == {shift}
+    assert set(re.findall(r"end\.flags & (0x[0F]+)u", texts("gpu"))) == {"0xFFFFFF"}, (
+        "without the bounces above the status"
+    )
 
 
 @pytest.mark.parametrize(
@@ -163,8 +184,10 @@ def test_object_and_status_share_a_number_as_the_session_takes_it_apart():
     [
         ("gpu", "DIFFUSE", DIFFUSE), ("gpu", "MIRROR", MIRROR),
         ("methods/pervertex", "SMOOTH", level.SMOOTH), ("methods/pervertex", "THREE_COLORS", level.THREE_COLORS),
-        ("methods/pervertex", "MAP_LEVELS", LEVELS), ("methods/trilinear", "SPECULAR", ray_records.SPECULAR),
-        ("raytriangle", "OUTERMOST", solve.OUTERMOST),
+        ("methods/pervertex", "MEETS_ITSELF", looking.MEETS_ITSELF),
+        ("methods/pervertex", "WITHOUT_MAP", looking.WITHOUT_MAP),
+        ("methods/pervertex", "LEVELS", surface_maps.LEVELS), ("methods/tracing", "STATUS_DOUBTFUL", Status.DOUBTFUL),
+        ("methods/trilinear", "SPECULAR", ray_records.SPECULAR), ("raytriangle", "OUTERMOST", solve.OUTERMOST),
     ],
 )  # fmt: skip
 def test_constants_of_both_languages_are_the_same(room, name, value):
@@ -175,4 +198,6 @@ def test_arrays_and_counts_are_as_long_as_python_takes_them_for():
     said = constants(texts("methods/pervertex"))
     assert 6 * said["SLICES"] * said["STACKS"] == BALL_VERTICES
     assert dict(EVERYWHERE["Lighting"])["lights"] == f"array<Light, {MOST_LIGHTS}>"
-    assert dict(declared(texts("methods/pervertex"))["PatchMaps"])["views"] == f"array<Projection, {level.MOST_VIEWS}>"
+    maps = {"WarpMaps": level.MOST_VIEWS, "PatchMaps": finding.MOST_VIEWS}
+    for name, views in maps.items():
+        assert dict(declared(texts("methods/pervertex"))[name])["views"] == f"array<Projection, {views}>"

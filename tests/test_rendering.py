@@ -40,10 +40,12 @@ def test_by_name_and_saved(tmp_path):
     assert frame.position is None
 
 
-def test_the_default_method_is_pervertex_and_the_default_size_1024_by_768():
-    frame = an.render(scene_with(flat_mirror()), seen=True)
+def test_the_default_method_is_auto_and_the_default_size_1024_by_768():
+    scene = scene_with(flat_mirror())
+    frame = an.render(scene, seen=True)
     assert frame.color.shape == (768, 1024, 3)
-    assert an.Status.WARPED in frame.status
+    assert same(frame, an.render(scene, method="auto", seen=True))
+    assert an.Status.DOUBTFUL not in frame.status
 
 
 def test_a_scene_and_a_camera():

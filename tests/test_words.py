@@ -26,12 +26,15 @@ SAME_CLASSES = {
 """Classes of one name, and why they may have it."""
 
 SAME_MODULES = {
+    "choice": "of a backend for the viewer, and what auto chooses between",
     "deforming": "a scene of the gallery, and the benchmark that draws it",
     "errors": "errors that are raised, and errors that are measured",
+    "finding": "what most methods are, and what of them is per-vertex drawing's",
     "options": "how a method declares its options, and those of one",
     "opening": "opens files, and is the panel's page for it",
     "textures": "the gallery's images, and the device's textures",
     "turntable": "the command, and what it calls",
+    "visibility": "the buffer that methods fill, and the pieces in which trilinear projection finds what is seen",
 }
 """Modules of one name in several rooms, and why they may have it."""
 

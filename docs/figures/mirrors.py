@@ -151,7 +151,7 @@ def alignment() -> list[list[Panel]]:
         # One map for the whole saddle, as in the paper.
         options = Options(field=150.0, align=align)
         warp = warps(scene, LARGE, options)[0]
-        frame = an.render(scene, method="pervertex", size=LARGE, seen=True, field=150.0, align=align)
+        frame = an.render(scene, method="pervertex:map=image", size=LARGE, seen=True, field=150.0, align=align)
         error = measure(reference, frame).pixels
         height, width = warp.map.shape[:2]
         caption = f"{words}: {width} x {height} texels, {100.0 * warp.plan.used:.0f}% used;"
@@ -181,7 +181,7 @@ def occlusion() -> list[list[Panel]]:
     scene = _with_rod(one_mirror(4.0))
     reference = an.render(scene, method="raytrace", size=LARGE, seen=True)
     # One map for the whole mirror, as in the paper.
-    plain = an.render(scene, method="pervertex:field=150", size=LARGE, seen=True)
+    plain = an.render(scene, method="pervertex:map=image,field=150", size=LARGE, seen=True)
     mended = an.render(scene, method="pervertex:field=150", size=LARGE, seen=True, tolerance=0.5)
     wrong = measure(reference, plain).maps.other_object
     still = measure(reference, mended).maps.other_object

@@ -20,7 +20,8 @@ LINE = 21
 INK = (30, 34, 40)
 HALF = (475, 356)
 """Size of one of two panels beside each other, pixels."""
-WARP = "pervertex:antialias=4"
+WARP = "pervertex:map=image,antialias=4"
+"""The paper's own way."""
 
 
 @dataclass(frozen=True, eq=False)

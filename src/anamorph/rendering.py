@@ -52,7 +52,7 @@ def render(
     scene : Scene, str or Path
         A scene, the name of a built-in one, or the path of a scene file or a model file.
     method : str or Specification, optional
-        "name" or "name:option=value,…"; pervertex unless a scene file says otherwise.
+        "name" or "name:option=value,…"; auto unless a scene file says otherwise.
     camera : Camera or RayMesh, optional
         The scene's own by default. A ray mesh is itself the whole image, for the methods that can see through one.
     size : (width, height), optional

@@ -24,7 +24,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 from browser import Served, Tab, chromium, served, tab_of
 from playwright.sync_api import sync_playwright
 
-METHODS = ("pervertex", "raytrace", "environment", "trilinear", "pervertex:refine=1", "pervertex:tolerance=0.5")
+METHODS = ("pervertex", "raytrace", "environment", "trilinear", "pervertex:map=image", "pervertex:tolerance=0.5")
 
 WATCH = """() => {
   const image = document.querySelector('img')

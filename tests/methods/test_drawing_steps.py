@@ -109,7 +109,7 @@ def test_phases_leave_out_what_is_done_between_steps(specification: str, monkeyp
     for _ in drawn.drawing(seen_from(0)):
         seconds += 10.0
     phases = dict(drawn.phases())
-    assert phases == {"prepare": 0.0, "record": 0.0, "mend": 0.0}
+    assert phases == {"prepare": 0.0, "find": 0.0, "record": 0.0}
 
 
 def test_the_device_s_time_is_that_of_all_parts(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -19,7 +19,7 @@ from anamorph.methods import METHODS, Session, Specification, session
 from anamorph.methods.pervertex.pervertex import Options, PerVertexDrawing
 from anamorph.methods.stage import Stage
 
-ON_THE_PROCESSOR = ["prepare", "record", "mend"]
+ON_THE_PROCESSOR = ["prepare", "find", "record"]
 
 
 def opened(specification: str) -> tuple[Session, View]:
@@ -59,7 +59,7 @@ def test_each_phase_is_what_it_is_called_after(monkeypatch: pytest.MonkeyPatch) 
 
         def __getattr__(self, name: str) -> Any:
             nonlocal seconds
-            seconds += {"prepare": 2.0, "draw_color": 3.0, "complete": 5.0}.get(name, 0.0)
+            seconds += {"prepare": 2.0, "draw_color": 3.0, "find": 5.0}.get(name, 0.0)
             return getattr(self._drawing, name)
 
     monkeypatch.setattr(session, "perf_counter", lambda: seconds)
@@ -67,7 +67,7 @@ def test_each_phase_is_what_it_is_called_after(monkeypatch: pytest.MonkeyPatch) 
     slow: Any = Slow(PerVertexDrawing(stage, Options()))
     drawn = Session(stage, slow)
     drawn.draw(view.pinhole_camera)
-    assert drawn.phases() == {"prepare": 2000.0, "record": 3000.0, "mend": 5000.0}
+    assert drawn.phases() == {"prepare": 2000.0, "find": 5000.0, "record": 3000.0}
 
 
 def test_what_a_session_tells_is_the_asker_s_own() -> None:

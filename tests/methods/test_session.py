@@ -54,10 +54,10 @@ def test_a_scene_file_says_how_it_is_drawn(tmp_path: Path) -> None:
     frame = render(file, seen=True)
     assert frame.color.shape == (10, 20, 3)
     assert frame.ray_origin is not None
-    assert render(file, "pervertex", size=(8, 6), seen=True).ray_origin is None
+    assert render(file, "environment", size=(8, 6), seen=True).ray_origin is None
 
 
-@pytest.mark.parametrize("specification", [*METHODS, "pervertex:tolerance=0.5", "pervertex:bounces=2"])
+@pytest.mark.parametrize("specification", [*METHODS, "pervertex:tolerance=0.5", "pervertex:map=image"])
 def test_a_session_that_is_dropped_leaves_the_device_at_once(specification: str) -> None:
     scene, _ = open_scene("facing-mirrors")
     view = View(scene, scene.camera, SIZE)

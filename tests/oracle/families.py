@@ -64,5 +64,8 @@ AGREEING = [
     ("meshed-ball", 1),
     ("micrometres", 2),
     ("kilometres", 0),
+    ("coarse-ball", 2),
+    ("large-ground", 3),
+    ("far-away", 1),
 ]
 """Families and seeds on which the tests hold `raytrace` to the tracer."""

@@ -38,6 +38,39 @@ def test_the_reference_is_right_where_a_method_once_failed(name):
     agrees(FOUND[name]())
 
 
+SEARCHED = "pervertex:tolerance=0.5"
+
+UNSURE = {Status.DOUBTFUL, Status.TRACED}
+
+ONCE_LOST = ["concave-cap", "inside-ball", "worn-minus-7", "wavy-mesh", "concave-asphere", "plus-3-at-330-mm"]
+"""Scenes in which maps of colours lost objects and said that they had not."""
+
+
+def is_honest(scene: Scene, method: str) -> None:
+    """No pixel is wrong away from silhouettes and says that it is proved, and few are at silhouettes."""
+    judged = judge(Tracer(scene), scene.camera, shown_by(scene, method, SIZE))
+    assert judged.plain.sum() > 200
+    assert set(judged.wrong_by_status()) <= UNSURE, judged.wrong_by_status()
+    if "tolerance" in method:
+        assert not judged.wrong.any()
+        assert judged.missed.sum() <= max(1, 0.005 * judged.silhouette.sum())
+
+
+@pytest.mark.parametrize(("family", "seed"), AGREEING)
+def test_what_is_proved_in_maps_of_surfaces_is_there(family, seed):
+    is_honest(make(family, seed), SEARCHED)
+
+
+@pytest.mark.parametrize("name", ONCE_LOST)
+def test_maps_of_surfaces_lose_nothing_that_was_lost_once(name):
+    is_honest(FOUND[name](), SEARCHED)
+
+
+@pytest.mark.parametrize("name", ONCE_LOST[:2])
+def test_without_a_tolerance_what_may_be_wrong_is_doubtful(name):
+    is_honest(FOUND[name](), "pervertex")
+
+
 @pytest.mark.parametrize("family", ["convex-cap", "toroid"])
 def test_the_reference_sees_a_mesh_as_a_mesh(family):
     """Without its exact surface the same mesh is what there is."""

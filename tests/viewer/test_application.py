@@ -230,7 +230,7 @@ def test_a_click_tells_what_is_seen_there_and_draws_its_path(hand: Hand) -> None
 def test_the_report_is_plain_data(hand: Hand) -> None:
     hand.settle()
     told = json.loads(json.dumps(hand.viewer.snapshot(), allow_nan=False))
-    assert told["scene"] == "flat-mirror" and told["state"]["first"]["method"] == "pervertex"
+    assert told["scene"] == "flat-mirror" and told["state"]["first"]["method"] == "auto"
     assert told["frames"] > 0 and "prepare" in told["phases_ms"] and "first/method" in told["rectangles"]
 
 
@@ -422,7 +422,7 @@ def test_a_method_that_fails_is_told_of_and_the_rest_goes_on(
     told = hand.viewer.snapshot()["message"]
     assert said in told and "\n" not in told
     assert np.ptp(image_of(hand.draw(), hand)[100:, 160:].astype(int)) > 50
-    show(hand, first=Half(Specification.parse("pervertex")), split=False)
+    show(hand, first=Half(Specification.parse("auto")), split=False)
     assert not hand.viewer.snapshot()["message"]
     assert alike(image_of(hand.draw(), hand), before)
 

@@ -291,7 +291,7 @@ def test_halves_layers_and_split_are_carried_over_and_the_eye_is_not() -> None:
     old = start_of("flat-mirror").state
     set_there = replace(
         old,
-        first=Half(Specification.parse("pervertex:refine=2"), Aspect.ERROR),
+        first=Half(Specification.parse("pervertex:field=60"), Aspect.ERROR),
         second=Half(Specification.parse("environment"), Aspect.STATUS),
         split=True,
         divider=0.3,

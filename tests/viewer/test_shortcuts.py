@@ -20,7 +20,7 @@ from anamorph.viewer.starting import reset_view
 from anamorph.viewer.state import Aspect, Drawing, EyeSide, Half, State
 
 STATE = State(
-    CAMERA, Half(Specification.parse("pervertex:refine=2"), Aspect.ERROR), Half(Specification.parse("raytrace"))
+    CAMERA, Half(Specification.parse("pervertex:field=60"), Aspect.ERROR), Half(Specification.parse("raytrace"))
 )
 HOME = home_of(STATE, scene_with(spherical_mirror()))
 MOVED = replace(STATE, camera=Camera((2.0, 1.0, 2.0), (0.0, 0.5, 0.0)))
@@ -55,9 +55,9 @@ def after(name, *modifiers, state=STATE, home=HOME):
         (key("v"), {"drawings": {Drawing.VIEWPOINT}}),
         (key("b"), {"drawings": {Drawing.VOLUME}}),
         (key("B"), {"drawings": {Drawing.VOLUME}}),
-        (key("1"), {"first": Half(Specification.parse("pervertex:refine=2"), Aspect.IMAGE)}),
+        (key("1"), {"first": Half(Specification.parse("pervertex:field=60"), Aspect.IMAGE)}),
         (key("2"), {}),
-        (key("3"), {"first": Half(Specification.parse("pervertex:refine=2"), Aspect.STATUS)}),
+        (key("3"), {"first": Half(Specification.parse("pervertex:field=60"), Aspect.STATUS)}),
         (key("4"), {"second": Half(Specification.parse("raytrace"), Aspect.IMAGE), "split": True}),
         (key("5"), {"second": Half(Specification.parse("raytrace"), Aspect.ERROR), "split": True}),
         (key("6"), {"second": Half(Specification.parse("raytrace"), Aspect.STATUS), "split": True}),

@@ -32,12 +32,13 @@ ERROR_COLORS: Mapping[str, Color] = {"sees another object": OTHER_OBJECT, "at a 
 STATUS_COLORS: dict[Status, Color] = {
     Status.DIRECT: (225, 225, 225),
     Status.WARPED: (30, 70, 220),
-    Status.REFINED: (245, 190, 40),
+    Status.PROVED: (245, 190, 40),
     Status.TRACED: (240, 115, 105),
     Status.SKY: (86, 180, 233),
     Status.TOTAL_REFLECTION: (140, 20, 10),
     Status.OUTSIDE: (0, 0, 0),
     Status.PROJECTED: (120, 25, 150),
+    Status.DOUBTFUL: (225, 60, 0),
 }
 """Of statuses; the colour-blind, too, tell them apart. Direct pixels show the image, in about this grey."""
 

@@ -10,7 +10,7 @@ import numpy as np
 from anamorph.base.vectors import Vector, tuple_of
 from anamorph.measure.angles import normalized
 from anamorph.optics.laws import reflect
-from anamorph.rays.caster import Caster
+from anamorph.rays.caster import Caster, beyond
 from anamorph.scene.camera import Camera
 from anamorph.scene.geometry import flatten
 from anamorph.scene.model import Glass, Scene
@@ -155,5 +155,6 @@ def _free(caster: Caster | None, start: np.ndarray, toward: np.ndarray, wanted: 
     """How far one gets from `start` (3,), up to what is `wanted`, without getting too near to anything."""
     if caster is None:
         return wanted
-    found = float(caster.cast(start[None], toward[None], near=max(near, caster.near)).distance[0])
+    origin, direction = start[None], toward[None]
+    found = float(caster.cast(origin, direction, np.maximum(near, beyond(origin, direction))).distance[0])
     return min(wanted, CLEARANCE * found)

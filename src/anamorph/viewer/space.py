@@ -7,7 +7,7 @@ and 4.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -278,5 +278,4 @@ def _eye_depth(space: PreparedScene, camera: Camera) -> float:
 def _map_options(state: State) -> Options:
     """Of the maps that the image shows, or would by per-vertex reflection."""
     chosen: Sequence[object] = [half.method.options for half in state.halves]
-    options = next((each for each in chosen if isinstance(each, Options)), Options())
-    return replace(options, start="vertices")
+    return next((each for each in chosen if isinstance(each, Options)), Options())

@@ -48,7 +48,7 @@ FIGURES = Figures(
     Statistics(0.04, 1.2, 123.4), Statistics(0.1, 2.3, 800.0), None, {"warped": 80.0, "total_reflection": 20.0}
 )
 SEEN = Inspection(
-    (412, 233), Specification.parse("pervertex"), "box-3", (1.0, -2.0, 3.0), 4.0, "refined",
+    (412, 233), Specification.parse("pervertex"), "box-3", (1.0, -2.0, 3.0), 4.0, "proved",
     (Stop("eye", (0.0, 1.0, 0.0)), Stop("mirror", (0.0, 0.0, 0.0)), Stop("a box of long name", (-1.0, 2.0, -12.0))),
     "a box with a very long name", 12.3, 4.5, True,
 )  # fmt: skip
@@ -86,12 +86,12 @@ def pressed(stage: Stage, *keys: str) -> State:
         (["first/aspect/error"], {"first": Half(Specification.parse("pervertex"), Aspect.ERROR)}),
         (["first/aspect/status"], {"first": Half(Specification.parse("pervertex"), Aspect.STATUS)}),
         (["first/method", "first/method/environment"], {"first": Half(Specification.parse("environment"))}),
-        (["first/options", "first/mipmaps"], {"first": Half(Specification.parse("pervertex:mipmaps=true"))}),
+        (["first/options", "first/align"], {"first": Half(Specification.parse("pervertex:align=false"))}),
         (
             ["first/options", "first/wide", "first/wide/cube"],
             {"first": Half(Specification.parse("pervertex:wide=cube"))},
         ),
-        (["first/options", "first/mipmaps", "first/reset"], {}),
+        (["first/options", "first/align", "first/reset"], {}),
         (["split"], {"split": True}),
         (["section/quality", "samples/8"], {"samples": 8}),
         (["section/quality", "resolution/0.75"], {"resolution": 0.75}),
@@ -121,10 +121,10 @@ def test_a_widget_changes_its_own_field_and_no_other(opened, keys, changes) -> N
 
 
 def test_widgets_that_only_sometimes_show_change_their_own_field_too(opened) -> None:
-    stage = opened(split=True, second=Half(Specification.parse("pervertex:refine=3"), Aspect.ERROR), picked=(0.5, 0.5))
+    stage = opened(split=True, second=Half(Specification.parse("pervertex:field=60"), Aspect.ERROR), picked=(0.5, 0.5))
     start = stage.state
     state = pressed(stage, "second/aspect/status")
-    assert state == replace(start, second=Half(Specification.parse("pervertex:refine=3"), Aspect.STATUS))
+    assert state == replace(start, second=Half(Specification.parse("pervertex:field=60"), Aspect.STATUS))
     state = pressed(stage, "first/aspect/error", "unit/px")
     assert (state.first.aspect, state.unit) == (Aspect.ERROR, "px")
     assert pressed(stage, "inspection/clear") == replace(state, picked=None)
@@ -230,8 +230,8 @@ def test_an_option_without_an_upper_limit_takes_any_typed_value(opened) -> None:
     pressed(stage, "first/options")
     typed(stage, "first/tolerance", "2000")
     assert stage.state.first.method.options.tolerance == 2000.0
-    typed(stage, "first/refine", "2000")
-    assert stage.state.first.method.options.refine == 16
+    typed(stage, "first/bounces", "2000")
+    assert stage.state.first.method.options.bounces == 8
 
 
 def test_a_method_that_does_not_refract_cannot_be_chosen_for_glass(opened, scene) -> None:
@@ -285,7 +285,7 @@ TOLD = {
 def test_nothing_overlaps_and_all_lies_in_the_canvas_or_the_scrolled_panel(opened, size, ratio) -> None:
     first, second = (
         Half(Specification.parse("environment"), Aspect.STATUS),
-        Half(Specification.parse("pervertex:refine=3,wide=cube"), Aspect.ERROR),
+        Half(Specification.parse("pervertex:map=image,wide=cube"), Aspect.ERROR),
     )
     stage = opened(size, ratio, told=TOLD, split=True, first=first, second=second, picked=(0.5, 0.5))
     stage.state = replace(stage.state, views=(CAMERA, replace(CAMERA, position=(-12345.678,) * 3)))

@@ -56,7 +56,7 @@ def choice_table(
         bodies = AutoDrawing(Stage(view), Options(), None).expected(scene.camera)
         terms.append(
             [
-                sum(body.pixels * body.lines for body in bodies),
+                sum(body.looks for body in bodies),
                 sum(body.patches * body.triangles for body in bodies),
                 sum(body.patches for body in bodies),
                 sum((body.left - 1.0) * body.rays for body in bodies),

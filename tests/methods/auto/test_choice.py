@@ -75,6 +75,14 @@ def test_what_is_expected_of_a_mirror_is_its_area_in_the_image():
     # The frame hides a little of it.
     assert 1.0 <= expected.pixels / shown < 1.2
     assert (expected.lines, expected.interfaces, expected.patches, expected.bent_in) == (1, 1, 1, False)
+    assert expected.maps == 1
+
+
+@pytest.mark.parametrize(("name", "maps"), [("spectacles-minus", 1), ("magnifier", 2)])
+def test_rays_that_converge_are_looked_for_in_two_maps(name, maps):
+    scene = gallery.make(name)
+    (expected,) = AutoDrawing(Stage(View(scene, scene.camera, SIZE)), Options(), None).expected(scene.camera)
+    assert expected.maps == maps
 
 
 def test_a_lens_has_three_lines_and_two_interfaces():

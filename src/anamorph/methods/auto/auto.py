@@ -25,7 +25,9 @@ from anamorph.methods.raytrace import TracedDrawing
 from anamorph.methods.session import Session
 from anamorph.methods.specular_drawing import SpecularDrawing
 from anamorph.methods.stage import Stage
-from anamorph.optics.ray_meshes import Side, bodies_of
+from anamorph.optics.ray_meshes import Side, bodies_of, rays_of
+from anamorph.optics.viewpoint import virtual_viewpoint
+from anamorph.raymesh import RayMesh, RayStatus
 from anamorph.scene.camera import Camera
 from anamorph.scene.geometry import Geometry
 from anamorph.scene.model import Glass
@@ -90,6 +92,7 @@ class AutoDrawing(SpecularDrawing):
                 pixels=max(map(area, body.sides)),
                 lines=3 if body.sides[0].disperses else 1,
                 interfaces=len(body.sides),
+                maps=2 if _converge(rays_of(body, camera.eye(size), dispersion=False).rays) else 1,
                 patches=BENT_IN_PATCHES if self._bent_in[body] else 1,
                 triangles=len(self.stage.geometry.faces),
                 bent_in=self._bent_in[body],
@@ -140,6 +143,16 @@ class AutoDrawing(SpecularDrawing):
     def diagnostics(self) -> Mapping[str, Any]:
         """The chosen one, and what it holds."""
         return {"chosen": self._drawing, **self._drawing.diagnostics()}
+
+
+def _converge(rays: RayMesh) -> bool:
+    """Whether rays that face the eye come nearest to each other before them, and not behind."""
+    facing = rays.status == RayStatus.OK
+    if not facing.any():
+        return False
+    origins, directions = rays.origins[facing], rays.unit_directions()[facing]
+    viewpoint = virtual_viewpoint(origins, directions)
+    return bool((viewpoint[:3] - viewpoint[3] * origins.mean(axis=0)) @ directions.mean(axis=0) > 0.0)
 
 
 def _area(positions: np.ndarray, faces: np.ndarray, camera: Camera, size: tuple[int, int]) -> float:

@@ -28,6 +28,8 @@ class Expected:
         Of the spectrum, that are followed apart.
     interfaces : int
         That its rays meet.
+    maps : int
+        That each pixel is looked for in: two where the body's rays converge.
     patches, triangles : int
         Its patches; triangles of the scene.
     bent_in : bool
@@ -37,6 +39,7 @@ class Expected:
     pixels: float
     lines: int
     interfaces: int
+    maps: int
     patches: int
     triangles: int
     bent_in: bool
@@ -45,6 +48,11 @@ class Expected:
     def rays(self) -> float:
         """Rays from interface to interface, of all pixels."""
         return self.pixels * self.lines * (1 + self.interfaces)
+
+    @property
+    def looks(self) -> float:
+        """How often a pixel's ray is followed through a map."""
+        return self.pixels * self.lines * self.maps
 
     @property
     def left(self) -> float:
@@ -59,7 +67,7 @@ class Costs:
     Parameters
     ----------
     search : float
-        For each pixel and line of the spectrum, to follow its ray through a map and to draw the map.
+        For each pixel, line of the spectrum and map, to follow its ray through the map, and to draw that.
     triangle : float
         For each triangle of the scene that a patch's map draws.
     patch : float
@@ -82,7 +90,7 @@ class Costs:
     def searching_pays(self, bodies: Sequence[Expected]) -> bool:
         """Whether searching bodies, with what that leaves to be traced, costs less than to trace them."""
         searching = sum(
-            body.pixels * body.lines * self.search
+            body.looks * self.search
             + body.patches * (self.patch + body.triangles * self.triangle)
             + body.left * body.rays * self.trace
             for body in bodies
@@ -90,7 +98,7 @@ class Costs:
         return searching < sum(body.rays * self.trace for body in bodies)
 
 
-SOFTWARE = Costs(search=170.0, triangle=300.0, patch=1.5e6, trace=130.0)
+SOFTWARE = Costs(search=444.0, triangle=214.0, patch=0.0, trace=199.0)
 """Of software Vulkan."""
 
 

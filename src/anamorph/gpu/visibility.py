@@ -80,15 +80,16 @@ class VisibilityBuffer:
         self._colored, self._alone = 0, alone
 
     def write(self, rectangle: Rectangle, texels: np.ndarray, line: int = 0) -> None:
-        """Take over a rectangle of samples: `texels` (2, rows, columns, 4) uint32."""
+        """Take over a rectangle of samples: `texels` (2, rows, columns, 4) uint32. A pixel around it becomes empty."""
         x0, y0, x1, y1 = rectangle
+        left, top = max(x0 - self.side, 0), max(y0 - self.side, 0)
+        right, bottom = min(x1 + self.side, self.size[0]), min(y1 + self.side, self.size[1])
+        # What an earlier frame has left there is no neighbour of what is written now.
+        around = (left, top, right, y0), (left, y1, right, bottom), (left, y0, x0, y1), (x1, y0, right, y1)
         for texture, rows in zip(self.textures[line], texels, strict=True):
-            get_device().queue.write_texture(
-                {"texture": texture, "origin": (x0, y0, 0)},
-                np.ascontiguousarray(rows),
-                {"bytes_per_row": 16 * (x1 - x0), "rows_per_image": y1 - y0},
-                (x1 - x0, y1 - y0, 1),
-            )
+            _write(texture, rectangle, rows)
+            for part in around:
+                _write(texture, part, np.zeros((part[3] - part[1], part[2] - part[0], 4), np.uint32))
 
     def begin(
         self, encoder: wgpu.GPUCommandEncoder, depth: wgpu.GPUTextureView, line: int = 0, keep: bool = False
@@ -172,3 +173,15 @@ class VisibilityBuffer:
         directions /= np.linalg.norm(directions, axis=-1, keepdims=True)
         directions[(second[..., 3] == 0) & ((second[..., :2] >> 24) == 0).all(axis=-1)] = 0.0
         return (first[..., 3] > 0) | (second[..., 2] > 0), origins, directions.astype(np.float32)
+
+
+def _write(texture: wgpu.GPUTexture, rectangle: Rectangle, texels: np.ndarray) -> None:
+    """Replace the texels of a rectangle, which may be empty."""
+    x0, y0, x1, y1 = rectangle
+    if x0 < x1 and y0 < y1:
+        get_device().queue.write_texture(
+            {"texture": texture, "origin": (x0, y0, 0)},
+            np.ascontiguousarray(texels),
+            {"bytes_per_row": 16 * (x1 - x0), "rows_per_image": y1 - y0},
+            (x1 - x0, y1 - y0, 1),
+        )

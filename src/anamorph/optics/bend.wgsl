@@ -20,8 +20,12 @@ struct ExactSide {
     reflectance: f32,
     // A lens's, from its axis to its edge.
     radius: f32,
-    // The middle of the far face's border, and the unit direction of the axis from the near face to the far one.
+    // Of the far face's border.
     middle: vec3f,
+    // Up to here from the axis, a ray meets the far face's triangles; between them and the edge's circle, only the
+    // exact surface.
+    sure_radius: f32,
+    // A lens's, from the near face to the far one; unit.
     axis: vec3f,
     // Of the glass, for red, green and blue light.
     indices: vec3f,

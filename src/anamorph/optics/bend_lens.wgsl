@@ -83,3 +83,9 @@ fn through_lens(side: u32, hit: FlatHit, entry: Interface, index: f32) -> BentRa
     let way = select(RAY_TOTAL_REFLECTION, way_from(entry), leaving.crosses);
     return BentRay(unit * exit, leaving.direction, entering.transmittance * leaving.transmittance, way);
 }
+
+// Whether a ray that left by the far face did so where the mesh has triangles too: beyond, tracing passes the face by.
+fn left_by_triangles(side: u32, bent: BentRay) -> bool {
+    let place = bent.origin / exact_sides[side].unit - exact_sides[side].middle;
+    return length(off_axis(side, place)) < exact_sides[side].sure_radius;
+}

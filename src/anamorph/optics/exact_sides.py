@@ -11,6 +11,7 @@ from anamorph.optics.dispersion import line_indices
 from anamorph.optics.ray_meshes import Body, Side
 from anamorph.optics.refraction import Refractor
 from anamorph.scene.geometry import Geometry
+from anamorph.scene.lens_pairs import border_edges
 from anamorph.scene.model import Mesh, Mirror, Scene
 from anamorph.surfaces.device_numbers import DeviceFrame, device_numbers, device_parameters
 
@@ -18,7 +19,7 @@ EXACT_SIDE = np.dtype(
     [
         ("origin", "f4", 3), ("unit", "f4"),
         ("surface", "u4"), ("far_surface", "u4"), ("reflectance", "f4"), ("radius", "f4"),
-        ("middle", "f4", 4), ("axis", "f4", 4), ("indices", "f4", 4),
+        ("middle", "f4", 3), ("sure_radius", "f4"), ("axis", "f4", 4), ("indices", "f4", 4),
         ("far_u", "f4", 4), ("far_v", "f4", 4),
     ]
 )  # fmt: skip
@@ -83,8 +84,10 @@ def exact_sides(scene: Scene, geometry: Geometry, bodies: Sequence[Body]) -> Exa
 def _pack_lens(record: np.ndarray, side: Side, far: Mesh, frame: DeviceFrame) -> None:
     lens = side.optics
     assert isinstance(lens, Refractor) and far.parameters is not None
-    record["middle"][:3], record["axis"][:3] = frame.points(lens.middle), lens.axis
+    record["middle"], record["axis"][:3] = frame.points(lens.middle), lens.axis
     record["radius"] = lens.radius / frame.unit
+    edges = far.exact_positions()[border_edges(far)].mean(axis=0) - lens.middle
+    record["sure_radius"] = np.linalg.norm(edges - np.outer(edges @ lens.axis, lens.axis), axis=1).min() / frame.unit
     record["indices"][:3] = line_indices(lens.index, lens.abbe)
     places = np.column_stack([frame.points(far.exact_positions()), np.ones(len(far.positions))])
     fitted = np.linalg.lstsq(places, device_parameters(far.surface, far.parameters).astype(float), rcond=None)[0]

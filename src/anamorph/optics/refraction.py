@@ -14,6 +14,7 @@ from anamorph.base.errors import AnamorphError
 from anamorph.optics.laws import fresnel, refract
 from anamorph.raymesh import RayMesh, RayStatus
 from anamorph.scene.camera import Eye
+from anamorph.scene.lens_pairs import border_edges
 from anamorph.scene.model import Glass, Mesh
 from anamorph.surfaces.intersection import meet_all, pack
 
@@ -92,12 +93,11 @@ def _exact(face: Mesh) -> tuple[np.ndarray, np.ndarray, float]:
 
 
 def _border(face: Mesh) -> np.ndarray:
-    """The vertices of edges that only one triangle has."""
-    edges = np.sort(np.concatenate([face.faces[:, pair] for pair in ([0, 1], [1, 2], [2, 0])]), axis=1)
-    edges, uses = np.unique(edges, axis=0, return_counts=True)
-    if not (uses == 1).any():
+    """The vertices on the border."""
+    vertices = np.unique(border_edges(face))
+    if not len(vertices):
         raise AnamorphError(f"lens face {face.name!r}: has no border; give the two faces of a lens as two meshes")
-    return np.unique(edges[uses == 1])
+    return vertices
 
 
 def refracted_rays(lens: Refractor, eye: Eye, index: float | None = None) -> RayMesh:

@@ -95,7 +95,7 @@ def _faces_of_one(front: Mesh, back: Mesh) -> bool:
 
 def has_one_border(mesh: Mesh) -> bool:
     """Whether the edges that only one triangle has form one closed line."""
-    vertices, ends = np.unique(_border(mesh), return_inverse=True)
+    vertices, ends = np.unique(border_edges(mesh), return_inverse=True)
     if (np.bincount(ends.ravel()) != 2).any():
         return False
     start, stop = ends.reshape(2, -1)
@@ -103,7 +103,7 @@ def has_one_border(mesh: Mesh) -> bool:
     return bool(connected_components(graph, directed=False, return_labels=False) == 1)
 
 
-def _border(mesh: Mesh) -> np.ndarray:
+def border_edges(mesh: Mesh) -> np.ndarray:
     """The ends, (2, E), of the edges that only one triangle has."""
     edges = np.sort(np.concatenate([mesh.faces[:, pair] for pair in ([0, 1], [1, 2], [2, 0])]), axis=1).astype(np.int64)
     # As single numbers: rows take ten times as long to sort.
@@ -116,7 +116,7 @@ def least_edge(front: Mesh, back: Mesh) -> float:
     """How thick a lens is where its edge is thinnest, metres; negative where its faces cross there."""
     axis = doubled_areas(front.positions, front.faces).sum(axis=0)
     axis /= np.linalg.norm(axis)
-    ahead, behind = (np.asarray(face.positions, float)[np.unique(_border(face))] for face in (front, back))
+    ahead, behind = (np.asarray(face.positions, float)[np.unique(border_edges(face))] for face in (front, back))
     heights = ahead @ axis, behind @ axis
     aside = ahead - np.outer(heights[0], axis), behind - np.outer(heights[1], axis)
     return float((heights[0] - heights[1][KDTree(aside[1]).query(aside[0])[1]]).min())

@@ -312,3 +312,13 @@ def test_a_prism_deviates_by_its_prism_dioptres_toward_its_base():
     height = thin(-2.0, 0.1, prism=3.0)[1]
     plain = thin(-2.0, 0.1)[1]
     assert (height - plain) / DISTANCE == pytest.approx(np.full(64, 0.03), rel=0.01)
+
+
+def test_a_ray_that_passes_the_far_triangles_by_is_not_proved():
+    """The edge of the mesh is a polygon: between it and the circle of the exact face, tracing passes the face by."""
+    reference = built_in("spectacles-plus", "raytrace:dispersion=false")
+    frame = built_in("spectacles-plus", "pervertex")
+    known = (frame.specular > 0) & np.isin(frame.status, [Status.PROVED, Status.SKY])
+    assert known.sum() > 5_000
+    assert np.array_equal(frame.object_id[known], reference.object_id[known])
+    assert np.abs(frame.ray_direction - reference.ray_direction)[known].max() < 1e-3

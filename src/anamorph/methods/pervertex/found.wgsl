@@ -71,11 +71,12 @@ fn hit_of(fragment: BodyFragment) -> FlatHit {
     );
 }
 
-// The end of the path of a ray that leaves a body after so many bounces.
-fn end_of(fragment: BodyFragment, bent: BentRay, bounces: u32) -> PackedPathEnd {
+// The end of the path of a ray that leaves a body after so many bounces. Only where it `surely` does so as the traced
+// ray does can what it meets be proved.
+fn end_of(fragment: BodyFragment, bent: BentRay, surely: bool, bounces: u32) -> PackedPathEnd {
     let triangle = looking_of(fragment);
     let ray = Ray(exact_sides[fragment.object - 1u].origin + bent.origin, bent.direction);
-    let certain = triangle.flags == 0u && triangle.reach >= 0.0 && bent.way == RAY_OK;
+    let certain = surely && triangle.flags == 0u && triangle.reach >= 0.0 && bent.way == RAY_OK;
     var found = Found(Hit(0u, FARTHEST), false);
     if certain || (TRACED == 0 && (triangle.flags & WITHOUT_MAP) == 0u) {
         found = find(ray, triangle);
@@ -88,7 +89,7 @@ fn end_of(fragment: BodyFragment, bent: BentRay, bounces: u32) -> PackedPathEnd 
 
 @fragment
 fn reflector_found(fragment: BodyFragment) -> PackedPathEnd {
-    return end_of(fragment, mirrored(fragment.object - 1u, hit_of(fragment)), 1u);
+    return end_of(fragment, mirrored(fragment.object - 1u, hit_of(fragment)), true, 1u);
 }
 
 @fragment
@@ -96,5 +97,5 @@ fn refractor_found(fragment: BodyFragment) -> PackedPathEnd {
     let side = fragment.object - 1u;
     let hit = hit_of(fragment);
     let bent = through_lens(side, hit, lens_entry(side, hit), exact_sides[side].indices[LINE]);
-    return end_of(fragment, bent, 2u);
+    return end_of(fragment, bent, left_by_triangles(side, bent), 2u);
 }

@@ -143,6 +143,8 @@ def plan_surfaces(
         *parts_of(body_rays.rays.origins[whole], all_directions, ranges), corners, ~own
     )
     ranges[~listed_faces] = -1.0, 0.0, farthest if converges else 0.0
+    # Of a triangle with a corner whose ray no map shows, nothing is listed.
+    ranges[np.isinf(ranges[:, 0]), 0] = -1.0
     return SurfacePlan(tuple(projections), texels, ranges, first, unseen, farthest)
 
 

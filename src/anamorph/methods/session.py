@@ -39,7 +39,7 @@ class Session:
     antialias : int
         Samples a pixel: 1 or 4.
     middles : callable, optional
-        Opens the same with one sample a pixel, in its middle, for the seen buffers: where the drawing has others.
+        Opens the same with one sample a pixel, in its middle: the seen buffers of an antialiased image are from there.
     """
 
     def __init__(
@@ -54,7 +54,7 @@ class Session:
         self._target = make_target(stage.view.size, (COLOR_FORMAT,), antialias)
         self._pipelines = scene_pipelines("color", antialias, sky_image=stage.buffers.sky_image)
         self._phases: dict[str, float] = {}
-        self._open_middles = middles
+        self._open_middles = middles if antialias > 1 else None
         self._middles: Session | None = None
         self._looked: tuple[Camera | RayMesh, tuple[float, float]] | None = None
         self._deformed: tuple[np.ndarray, np.ndarray] | None = None

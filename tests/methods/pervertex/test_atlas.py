@@ -12,7 +12,8 @@ from anamorph.gpu.buffers import upload_scene
 from anamorph.gpu.device import get_device
 from anamorph.gpu.drawing import submit
 from anamorph.gpu.targets import read_texture
-from anamorph.methods.pervertex.atlas import Atlas, MapKind, MapView, arrange, shrunk
+from anamorph.methods.pervertex.atlas import Atlas, MapKind, MapView
+from anamorph.methods.pervertex.rectangles import arrange, shrunk
 from anamorph.projection import camera_projection
 from anamorph.scene.camera import Camera
 from anamorph.scene.geometry import flatten
@@ -55,13 +56,13 @@ def test_what_is_too_large_together_shrinks_alike_and_nothing_else_does(sizes, w
 
 
 def test_maps_that_the_largest_texture_cannot_hold_are_drawn_smaller(buffers, monkeypatch):
-    monkeypatch.setattr("anamorph.methods.pervertex.atlas.LARGEST", 256)
+    monkeypatch.setattr("anamorph.methods.pervertex.rectangles.LARGEST", 256)
     scene, count = buffers
     atlas = Atlas()
     atlas.place(views_of([(200, 200)] * 3, count))
     assert max(atlas.color.size[:2]) <= 256
     assert all(texels[..., :3].std() > 0.0 for texels in drawn_maps(atlas, scene, MapKind.COLOR))
-    for words, view in zip(atlas.projections, atlas.views, strict=True):
+    for words, view in zip(atlas.rectangles.projections, atlas.rectangles.maps, strict=True):
         assert words[-4:-2].tolist() == list(view.size)
 
 
@@ -90,7 +91,7 @@ def drawn_maps(atlas, buffers, kind):
     texels = read_texture(atlas.color if kind == MapKind.COLOR else atlas.depth)
     return [
         texels[y : y + view.size[1], x : x + view.size[0]]
-        for view, (x, y) in zip(atlas.views, atlas.corners, strict=True)
+        for view, (x, y) in zip(atlas.rectangles.maps, atlas.rectangles.corners, strict=True)
     ]
 
 
@@ -129,7 +130,7 @@ def test_shaders_get_each_maps_corner(buffers):
     atlas = Atlas()
     views = views_of([(90, 60), (50, 100), (64, 64)], count)
     atlas.place(views)
-    for words, view, corner in zip(atlas.projections, views, atlas.corners, strict=True):
+    for words, view, corner in zip(atlas.rectangles.projections, views, atlas.rectangles.corners, strict=True):
         assert words[-4:].tolist() == [*view.size, *corner]
         assert words.tolist() == view.projection.uniform(view.size, corner).tolist()
 

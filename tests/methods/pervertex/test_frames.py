@@ -68,7 +68,7 @@ def test_the_device_gets_the_plans_lookups_and_projection_in_single_precision(mo
     assert sorted(triangles[:, 0]) == list(range(len(body_rays.rays.faces)))
     assert plan.vertices.tolist() == list(range(len(body_rays.rays.origins)))
     assert corners.tolist() == plan.lookups[0, body_rays.rays.faces[triangles[:, 0]]].astype(np.float32).tolist()
-    (view,), (corner,) = level.views, level.atlas.corners
+    (view,), (corner,) = level.views, level.atlas.rectangles.corners
     (maps,) = written[level.maps]
     assert maps[: UNIFORM_BYTES // 4].tolist() == plan.projections[0].uniform(view.size, corner).tolist()
     assert draw.sides == 1

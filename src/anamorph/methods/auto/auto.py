@@ -171,7 +171,7 @@ def open_session(view: View, options: Options) -> Session:
     """Start drawing `view` within half a pixel of the reference."""
     check_options("auto", options)
     stage = Stage(view)
-    middles = partial(open_session, view, replace(options, antialias=1)) if options.antialias > 1 else None
+    middles = partial(open_session, view, replace(options, antialias=1))
     return Session(stage, AutoDrawing(stage, options, costs_here()), options.antialias, middles)
 
 

@@ -18,6 +18,7 @@ With `map=image`, the paper's way, a map holds colours, and is warped so that ev
 | (2) | draw the maps, of which only what is looked up | `atlas`, `looked_up.wgsl` |
 | (4) | draw the scene, and the bodies with their maps | `pervertex`, `warp.wgsl`; a lens (4.5): `lens.wgsl` |
 | 6, Figure 16 | where a map does not show what a ray meets | `inconsistency` |
+| (2) | the rectangle of each map in one texture | `rectangles` |
 | Figures 1, 16 | balls at the hits, and wires | `vertex_marks`, `overlay` |
 | | what may be chosen | `options` |
 
@@ -28,7 +29,7 @@ With `map=surfaces`, beyond the paper, a map holds triangles, and each pixel fol
 | where each map is seen from, and what it must hold | `surface_plan` |
 | what is left of a patch in the image | `visible_rays` |
 | what no map sees, by triangles of the body | `unseen` |
-| draw the maps, and how near they see anything | `surface_maps`: `surface_map.wgsl`, `nearest.wgsl` |
+| draw the maps, and how near they see anything | `rectangles`, `surface_maps`: `surface_map.wgsl`, `nearest.wgsl` |
 | which triangles look into which maps | `looking` |
 | bend each pixel's ray, and find what it meets | `finding`: `found.wgsl` |
 | what a ray meets in a map, and whether that is proved | `search.wgsl`, `meeting.wgsl`, `map_line.wgsl` |

@@ -146,7 +146,9 @@ class SurfaceDrawing(FindingDrawing):
         held = [grown_buffer(old, data.nbytes) for old, data in zip(self._held, contents, strict=True)]
         maps = np.zeros((len(search.patches), STRIDE // 4), np.float32)
         for row, numbered in zip(maps, search.patches, strict=True):
-            words = np.concatenate([np.zeros(0, np.float32), *(self._maps.projections[view] for view in numbered)])
+            words = np.concatenate(
+                [np.zeros(0, np.float32), *(self._maps.rectangles.projections[view] for view in numbered)]
+            )
             row[: len(words)] = words
         fits = self._uniform is not None and self._uniform.size >= maps.nbytes
         if not fits:
@@ -189,7 +191,7 @@ class SurfaceDrawing(FindingDrawing):
     def figures(self) -> dict[str, float]:
         """How many maps the last frame took, their texels, and how many samples were traced."""
         traced = {} if self._doubt is None else {"traced": float(self._doubt.traced)}
-        return {"maps": float(len(self._search.views)), "map_texels": float(self._maps.texels), **traced}
+        return {"maps": float(len(self._search.views)), "map_texels": float(self._maps.rectangles.texels), **traced}
 
     def diagnostics(self) -> Mapping[str, Any]:
         """The maps of surfaces, and what looks into them."""

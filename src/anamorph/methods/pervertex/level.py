@@ -145,7 +145,7 @@ class Level:
         if not self._patches:
             return
         made = self.atlas.place(self.views)
-        self.views = self.atlas.views
+        self.views = self.atlas.rectangles.maps
         contents = [np.concatenate(self._triangles), np.concatenate(self._data)]
         buffers = [grown_buffer(old, data.nbytes) for old, data in zip(self.buffers, contents, strict=True)]
         maps = self._patch_maps()
@@ -170,7 +170,7 @@ class Level:
             slots = row[: MOST_VIEWS * UNIFORM_BYTES // 4].reshape(MOST_VIEWS, -1)
             if not views:
                 continue
-            words = np.stack([self.atlas.projections[view] for view in views])
+            words = np.stack([self.atlas.rectangles.projections[view] for view in views])
             if faces:
                 # All faces tell the viewpoint; nothing has a place in those that are not drawn.
                 slots[:] = words[0]

@@ -11,7 +11,7 @@ from anamorph.gpu.device import maximum_size
 from anamorph.methods.pervertex.division import divide, part_where_hidden, seen_faces
 from anamorph.methods.pervertex.mounting import size_of
 from anamorph.methods.pervertex.options import Options
-from anamorph.methods.pervertex.surface_maps import SurfaceMap
+from anamorph.methods.pervertex.rectangles import SceneMap
 from anamorph.methods.pervertex.surface_plan import SurfacePlan, plan_surfaces
 from anamorph.methods.pervertex.surroundings import Surroundings
 from anamorph.optics.ray_meshes import Body, BodyRays, Side
@@ -80,7 +80,7 @@ class Search:
 
     Attributes
     ----------
-    views : list of SurfaceMap
+    views : list of SceneMap
     patches : list of range
         The maps of each patch, by their numbers; none where it has no map.
     draws : list of PatchDraw
@@ -88,7 +88,7 @@ class Search:
     unseen : list of (N,) uint32
     """
 
-    views: list[SurfaceMap] = field(default_factory=list)
+    views: list[SceneMap] = field(default_factory=list)
     patches: list[range] = field(default_factory=list)
     draws: list[PatchDraw] = field(default_factory=list)
     looking: list[np.ndarray] = field(default_factory=list)
@@ -176,13 +176,13 @@ class Searcher:
             return [part for patch in patches for part in part_where_hidden(rays, patch, surroundings, own)]
         return patches
 
-    def _views(self, body: Body, plan: SurfacePlan, surroundings: Surroundings) -> Iterator[SurfaceMap]:
+    def _views(self, body: Body, plan: SurfacePlan, surroundings: Surroundings) -> Iterator[SceneMap]:
         largest = min(MOST, maximum_size())
         width, height = (int(np.clip(self._options.resolution * side, LEAST, largest)) for side in plan.texels)
         for projection in plan.projections:
             visible = surroundings.visible(projection.clip)
             visible[list(body.meshes)] = False
-            yield SurfaceMap(projection, (width, height), visible)
+            yield SceneMap(projection, (width, height), visible)
 
     def _kinds_of(self, side: Side, faces: np.ndarray, sides: int) -> Iterator[tuple[PatchKind, int]]:
         """Runs of a patch's triangles that one pipeline draws, and their lengths."""

@@ -206,7 +206,7 @@ def open_session(view: View, options: Options) -> Session:
                 raise AnamorphError(
                     f"pervertex: {name}={value} is for maps of colours; leave it out, or give map=image"
                 )
-        middles = partial(open_session, view, replace(options, antialias=1)) if options.antialias > 1 else None
+        middles = partial(open_session, view, replace(options, antialias=1))
         stage = Stage(view)
         return Session(stage, SurfaceDrawing(stage, options), options.antialias, middles)
     stage = Stage(view)

@@ -3,48 +3,27 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
-import numpy as np
 import wgpu
 
 from anamorph.gpu.bindings import STORAGE, bind, layout_of, numbers, texture
 from anamorph.gpu.buffers import SceneBuffers
-from anamorph.gpu.device import get_device, maximum_size, of_device
-from anamorph.gpu.drawing import ProjectionUniform, bind_scene, make_pipeline, runs
+from anamorph.gpu.device import get_device, of_device
+from anamorph.gpu.drawing import bind_scene, make_pipeline, runs
 from anamorph.gpu.shaders import shader_module
 from anamorph.gpu.targets import begin_pass, make_target, make_texture
-from anamorph.methods.pervertex.atlas import LARGEST, MOST_TEXELS, arrange, shrunk
-from anamorph.projection import Projection
+from anamorph.methods.pervertex.rectangles import MOST_TEXELS, Rectangles, SceneMap, widest_side
 
 SURFACE_FORMAT = "rgba32uint"
 NEAREST_FORMAT = "r32float"
 LEVELS = 5
-"""Of the pyramid: cells of 2 to 32 texels, at whose multiples maps begin."""
-
+"""Of the pyramid: cells of 2 to 32 texels."""
 
 ALIGNMENT = 1 << LEVELS
+"""Maps begin at its multiples, as the largest cells do."""
 
 SPARE = 1.4
 """How much wider and higher than needed the textures are made: a moving eye does not bring new ones every frame."""
-
-
-@dataclass(frozen=True, eq=False)
-class SurfaceMap:
-    """One map: what it sees, and of what size.
-
-    Parameters
-    ----------
-    projection : Projection
-    size : (width, height)
-        Texels.
-    visible : (meshes,) bool
-        The meshes that it may see.
-    """
-
-    projection: Projection
-    size: tuple[int, int]
-    visible: np.ndarray
 
 
 @of_device
@@ -80,10 +59,8 @@ class SurfaceMaps:
     ----------
     surfaces, nearest : textures
         They are other ones after `place` has returned True.
-    projections : list of float32 arrays
-        Each map's `Projection` structure for shaders.
-    texels : int
-        Of all maps.
+    rectangles : Rectangles
+        Where each map is.
     """
 
     def __init__(self, scene: SceneBuffers) -> None:
@@ -98,30 +75,16 @@ class SurfaceMaps:
             buffers=(),
             groups=(_map_layout(),),
         )
-        self._uniforms: list[ProjectionUniform] = []
-        self._views: list[SurfaceMap] = []
-        self._corners: list[tuple[int, int]] = []
+        self.rectangles: Rectangles[SceneMap] = Rectangles(MOST_TEXELS, ALIGNMENT)
         self._used = (1, 1)
-        self.projections: list[np.ndarray] = []
-        self.texels = 0
 
-    def place(self, views: Sequence[SurfaceMap]) -> bool:
-        """Give each of the maps its rectangle; whether the textures had to be made anew."""
-        widest = min(maximum_size(), LARGEST)
-        sizes = shrunk([view.size for view in views], widest, MOST_TEXELS, ALIGNMENT)
-        self._corners, needed = arrange(sizes, widest, ALIGNMENT)
-        self._views = [SurfaceMap(view.projection, size, view.visible) for view, size in zip(views, sizes, strict=True)]
+    def place(self, maps: Sequence[SceneMap]) -> bool:
+        """Give each of the maps its rectangle, and tell whether the textures are new ones."""
+        needed = self.rectangles.place(maps)
         self._used = max(needed[0], 1), max(needed[1], 1)
-        self.texels = sum(width * height for width, height in sizes)
-        if len(self._uniforms) < len(views):
-            self._uniforms += [ProjectionUniform() for _ in range(2 * len(views) - len(self._uniforms))]
-        self.projections = []
-        for view, corner, uniform in zip(self._views, self._corners, self._uniforms, strict=False):
-            self.projections.append(view.projection.uniform(view.size, corner))
-            get_device().queue.write_buffer(uniform.buffer, 0, self.projections[-1])
         if all(have >= want for have, want in zip(self._size, self._used, strict=True)):
             return False
-        self._make((_side(self._used[0], widest), _side(self._used[1], widest)))
+        self._make((_side(self._used[0]), _side(self._used[1])))
         return True
 
     def _make(self, size: tuple[int, int]) -> None:
@@ -143,11 +106,9 @@ class SurfaceMaps:
         render_pass = begin_pass(encoder, self._target)
         render_pass.set_pipeline(self._pipeline)
         render_pass.set_bind_group(2, self._group)
-        for view, corner, uniform in zip(self._views, self._corners, self._uniforms, strict=False):
+        for each, uniform in self.rectangles.within(render_pass):
             bind_scene(render_pass, self._scene, uniform)
-            render_pass.set_viewport(*corner, *view.size, 0.0, 1.0)
-            render_pass.set_scissor_rect(*corner, *view.size)
-            for first, last in runs(view.visible):
+            for first, last in runs(each.visible):
                 start, end = int(self._scene.first_face[first]), int(self._scene.first_face[last])
                 render_pass.draw(3 * (end - start), 1, 3 * start)
         render_pass.end()
@@ -165,10 +126,11 @@ class SurfaceMaps:
             level_pass.end()
 
 
-def _side(needed: int, widest: int) -> int:
+def _side(needed: int) -> int:
     """The side of a texture with so many texels: an odd number of alignments, three at least.
 
     No level of the pyramid then has a power of two texels a side: software Vulkan would compile shaders again.
     """
+    widest = widest_side()
     wanted = min(int(SPARE * needed), widest) // ALIGNMENT
     return min((wanted | 1) * ALIGNMENT if wanted >= 3 else 3 * ALIGNMENT, widest)

@@ -117,7 +117,7 @@ def open_session(view: View, options: Options) -> Session:
     if options.truth == "raymesh" and isinstance(view.camera, RayMesh):
         raise AnamorphError("raytrace: truth=raymesh is for mirrors and lenses that a pinhole sees; give truth=surface")
     stage = Stage(view)
-    middles = partial(open_session, view, replace(options, antialias=1)) if options.antialias > 1 else None
+    middles = partial(open_session, view, replace(options, antialias=1))
     return Session(stage, TracedDrawing(stage, options), options.antialias, middles)
 
 

@@ -206,7 +206,7 @@ def open_session(view: View, options: Options) -> Session:
     elif options.antialias > 1:
         raise AnamorphError("trilinear: antialias is for exact edges; leave it out, or give edges=exact")
     stage = Stage(view)
-    middles = partial(open_session, view, replace(options, antialias=1)) if options.antialias > 1 else None
+    middles = partial(open_session, view, replace(options, antialias=1))
     return Session(stage, TrilinearDrawing(stage, options), options.antialias, middles)
 
 

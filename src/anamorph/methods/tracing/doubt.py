@@ -27,8 +27,8 @@ WORKGROUP = 64
 
 @of_device
 def _listing_layout() -> wgpu.GPUBindGroupLayout:
-    written = {"buffer": {"type": "storage"}}
-    return layout_of(*3 * [numbers()], written, written, stages=wgpu.ShaderStage.COMPUTE)
+    written, given = {"buffer": {"type": "storage"}}, {"buffer": {"type": "uniform"}}
+    return layout_of(*3 * [numbers()], written, written, given, stages=wgpu.ShaderStage.COMPUTE)
 
 
 @of_device
@@ -61,12 +61,15 @@ class DoubtTracer:
         usage = wgpu.BufferUsage.COPY_SRC
         self._count = storage_buffer(np.zeros(1, np.uint32), usage)
         self._numbers = storage_buffer(np.zeros(width * height, np.uint32), usage)
-        lines = [visibility.textures[min(line, len(visibility.textures) - 1)][1].create_view() for line in range(3)]
-        self._listed = bind(_listing_layout(), [*lines, self._count, self._numbers])
+        given = wgpu.BufferUsage.UNIFORM | wgpu.BufferUsage.COPY_DST
+        self._rectangle = get_device().create_buffer(size=16, usage=given)
+        own = len(visibility.textures)
+        lines = [visibility.textures[min(line, own - 1)][1].create_view() for line in range(3)]
+        self._listed = bind(_listing_layout(), [*lines, self._count, self._numbers, self._rectangle])
         module, layouts = shader_module("methods/tracing/doubtful.wgsl"), [_listing_layout()]
         self._list = get_device().create_compute_pipeline(
             layout=get_device().create_pipeline_layout(bind_group_layouts=layouts),
-            compute={"module": module, "entry_point": "list_doubtful"},
+            compute={"module": module, "entry_point": "list_doubtful", "constants": {"LINES": own}},
         )
         self._replace = make_pipeline(
             shader_module("methods/tracing/replaced.wgsl"),
@@ -97,15 +100,18 @@ class DoubtTracer:
     ) -> Generator[None, None, wgpu.GPUCommandEncoder]:
         """Trace what the passes of `encoder` leave doubtful, in steps; returns the encoder to go on with."""
         (width, height), side = self._visibility.size, self._visibility.side
-        get_device().queue.write_buffer(self._count, 0, np.zeros(1, np.uint32))
+        corners = side * np.array(self._visibility.rectangle or (0, 0, 0, 0), np.uint32)
+        queue = get_device().queue
+        queue.write_buffer(self._count, 0, np.zeros(1, np.uint32))
+        queue.write_buffer(self._rectangle, 0, corners)
+        columns, rows = (corners[2:] - corners[:2]).tolist()
         listing = encoder.begin_compute_pass()
         listing.set_pipeline(self._list)
         listing.set_bind_group(0, self._listed)
-        listing.dispatch_workgroups(-(-width // WORKGROUP), height)
+        listing.dispatch_workgroups(-(-columns // WORKGROUP), rows)
         listing.end()
         encoder = self._stage.recorder.part(encoder)
         yield
-        queue = get_device().queue
         self.traced = int(np.frombuffer(queue.read_buffer(self._count), np.uint32)[0])
         if not self.traced:
             return encoder

@@ -12,7 +12,7 @@ from wgsl import bound, constants, declared, layout_of, rooms, texts
 from anamorph.base.steps import drain
 from anamorph.frame import Status
 from anamorph.gpu.buffers import MOST_LIGHTS, OBJECT, VERTEX
-from anamorph.methods.pervertex import finding, level, looking, surface_maps
+from anamorph.methods.pervertex import finding, level, looking, silhouettes, surface_maps
 from anamorph.methods.pervertex.overlay import BALL_VERTICES
 from anamorph.methods.tracing.bounces import DIFFUSE, MIRROR
 from anamorph.methods.tracing.launch import GivenRays
@@ -58,6 +58,7 @@ SIZES = [
     ("methods/pervertex", "PatchMaps", finding.MOST_VIEWS * UNIFORM_BYTES),
     ("methods/pervertex", "WarpMaps", level.MOST_VIEWS * UNIFORM_BYTES),
     ("methods/pervertex", "WarpedTriangle", 4 * 4),
+    ("methods/pervertex", "Silhouette", 4 * silhouettes.WORDS),
     ("methods/tracing", "TracedPath", 2 * 4 * 4),
     ("raytriangle", "Two", 4 * 2 * 4),
     ("raytriangle", "Block", 4 * 3),

@@ -24,6 +24,11 @@ def numbers() -> dict[str, Any]:
     return {"texture": {"view_dimension": "2d", "sample_type": "uint"}}
 
 
+def depths() -> dict[str, Any]:
+    """The entry of a texture of depths."""
+    return {"texture": {"view_dimension": "2d", "sample_type": "depth"}}
+
+
 def layout_of(*entries: dict[str, Any], stages: int = wgpu.ShaderStage.FRAGMENT) -> wgpu.GPUBindGroupLayout:
     """A layout with bindings 0, 1, ... for `stages`; whoever asks for the same gets the same."""
     numbered = [{"binding": number, "visibility": stages, **entry} for number, entry in enumerate(entries)]

@@ -30,6 +30,7 @@ With `map=surfaces`, beyond the paper, a map holds triangles, and each pixel fol
 | what is left of a patch in the image | `visible_rays` |
 | what no map sees, by triangles of the body | `unseen` |
 | draw the maps, and how near they see anything | `rectangles`, `surface_maps`: `surface_map.wgsl`, `nearest.wgsl` |
+| edges that may hide what lies behind them between the middles of texels | `silhouettes`, `silhouettes.wgsl` |
 | which triangles look into which maps | `looking` |
 | bend each pixel's ray, and find what it meets | `finding`: `found.wgsl` |
 | what a ray meets in a map, and whether that is proved | `search.wgsl`, `meeting.wgsl`, `map_line.wgsl` |

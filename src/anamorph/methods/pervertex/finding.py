@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 import wgpu
 
-from anamorph.gpu.bindings import STORAGE, bind, layout_of, numbers, texture
+from anamorph.gpu.bindings import STORAGE, bind, depths, layout_of, numbers, texture
 from anamorph.gpu.buffers import grown_buffer, storage_buffer
 from anamorph.gpu.device import get_device, of_device
 from anamorph.gpu.drawing import bind_scene, make_pipeline
@@ -52,7 +52,7 @@ def finding_layout() -> wgpu.GPUBindGroupLayout:
     """The layout of group 2: what search.wgsl declares."""
     maps = {"buffer": {"type": "uniform", "has_dynamic_offset": True}}
     return layout_of(
-        maps, numbers(), texture(filterable=False), *4 * [STORAGE],
+        maps, numbers(), texture(filterable=False), *4 * [STORAGE], depths(),
         stages=wgpu.ShaderStage.VERTEX | wgpu.ShaderStage.FRAGMENT,
     )  # fmt: skip
 
@@ -77,7 +77,7 @@ class SurfaceDrawing(FindingDrawing):
         self._surroundings = surroundings_of(stage.geometry, self._bodies)
         self._searcher = Searcher(stage.geometry, stage.buffers.specular_meshes, sides.kinds, options)
         self._search = Search()
-        self._maps = SurfaceMaps(stage.buffers)
+        self._maps = SurfaceMaps(stage.buffers, stage.geometry)
         self._doubt: DoubtTracer | None = None
         if options.tolerance > 0.0:
             self._doubt = DoubtTracer(stage, self.visibility, self._surroundings.caster, MOST_BOUNCES)
@@ -115,6 +115,7 @@ class SurfaceDrawing(FindingDrawing):
         self._surroundings.caster.moved(geometry.positions)
         self._surroundings = self._surroundings.moved(geometry)
         self._searcher.moved(geometry)
+        self._maps.moved(geometry)
         if self._doubt is not None:
             self._doubt.moved(geometry)
         self.looked = None
@@ -163,6 +164,7 @@ class SurfaceDrawing(FindingDrawing):
                 self.stage.buffers.vertices,
                 self.stage.buffers.indices,
                 *held,
+                self._maps.silhouettes.create_view(),
             ]
             self._group = bind(finding_layout(), resources)
         for buffer, data in zip([self._uniform, *held], [maps, *contents], strict=True):

@@ -35,6 +35,9 @@ MOST_COMPARED = 400
 LEAST, MOST = 16, 4096
 """Texels along a side of a map."""
 
+LOOKED_FROM = np.array([[6, 0, 0], [0, 6, 0], [0, 0, 6], [3, 3, 0], [0, 3, 3], [3, 0, 3], [2, 2, 2]]) / 6.0
+"""Of a triangle, by weights of its corners: where rays leave it that tell whether it sees its own body."""
+
 
 @dataclass(frozen=True)
 class PatchKind:
@@ -207,11 +210,16 @@ class Searcher:
         rays, side = body_rays.rays, body_rays.side
         if not self._is_bent_in(side):
             return np.zeros(len(rays.faces), bool)
-        start = np.full(len(rays.origins), 1e-4 * size_of(rays.origins))
-        _, met = surroundings.cast_past(rays.origins, rays.unit_directions(), start, side.objects)
-        # And those beside them, because rays between the corners may meet it, too.
+        # Each triangle is looked at by the rays of its corners, of the middles of its sides, and of its own middle.
+        origins, directions = (
+            (LOOKED_FROM @ each[rays.faces]).reshape(-1, 3) for each in (rays.origins, rays.unit_directions())
+        )
+        start = np.full(len(origins), 1e-4 * size_of(rays.origins))
+        _, met = surroundings.cast_past(origins, directions, start, side.objects)
+        meets = met.reshape(len(rays.faces), -1).any(axis=1)
+        # And those beside them, because rays between these may meet it, too.
         beside = np.zeros(len(rays.origins), bool)
-        beside[rays.faces[met[rays.faces].any(axis=1)]] = True
+        beside[rays.faces[meets]] = True
         return beside[rays.faces].any(axis=1)
 
 

@@ -44,6 +44,8 @@ struct LookingTriangle {
 @group(2) @binding(4) var<storage, read> indices: array<u32>;
 @group(2) @binding(5) var<storage, read> looking: array<LookingTriangle>;
 @group(2) @binding(6) var<storage, read> unseen: array<u32>;
+// By cells between the middles of four texels: how near what none of them shows may be.
+@group(2) @binding(7) var map_silhouettes: texture_depth_2d;
 
 struct Hit {
     // From 1; 0 for none. It may have the bit SPECULAR.

@@ -2,6 +2,7 @@
 
 @group(0) @binding(0) var map_surfaces: texture_2d<u32>;
 @group(0) @binding(1) var finer: texture_2d<f32>;
+@group(0) @binding(2) var map_silhouettes: texture_depth_2d;
 
 @vertex
 fn covering_vertex(@builtin(vertex_index) index: u32) -> @builtin(position) vec4f {
@@ -9,15 +10,20 @@ fn covering_vertex(@builtin(vertex_index) index: u32) -> @builtin(position) vec4
     return vec4f(corner * 2.0 - 1.0, 0.0, 1.0);
 }
 
-// With a texel around it on all sides: what a texel shows may reach into its neighbours.
+// Anywhere in its texels: what they show may slope, and silhouettes may cross them.
 @fragment
 fn nearest_surface(@builtin(position) pixel: vec4f) -> @location(0) f32 {
     let last = vec2i(textureDimensions(map_surfaces)) - 1;
-    let corner = 2 * vec2i(pixel.xy) - 1;
+    let corner = 2 * vec2i(pixel.xy);
     var nearest = 0.0;
-    for (var number = 0; number < 16; number++) {
-        let texel = clamp(corner + vec2i(number % 4, number / 4), vec2i(0), last);
-        nearest = max(nearest, bitcast<f32>(textureLoad(map_surfaces, texel, 0).y));
+    for (var number = 0; number < 4; number++) {
+        let texel = min(corner + vec2i(number % 2, number / 2), last);
+        let plane = bitcast<vec3f>(textureLoad(map_surfaces, texel, 0).yzw);
+        nearest = max(nearest, plane.x + 0.5 * (abs(plane.y) + abs(plane.z)));
+    }
+    for (var number = 0; number < 9; number++) {
+        let cell = clamp(corner - 1 + vec2i(number % 3, number / 3), vec2i(0), last);
+        nearest = max(nearest, textureLoad(map_silhouettes, cell, 0));
     }
     return nearest;
 }

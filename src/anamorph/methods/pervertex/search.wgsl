@@ -43,7 +43,7 @@ fn is_clear(view: i32, line: Line, from_share: f32, to_share: f32) -> bool {
         let depth = line.start.z + next * line.change.z;
         let clear = nearest < depth - DEPTH_ROUNDING * abs(depth);
         // Half a texel from the hit, all that is seen is among the four texels that were looked at there.
-        done = done || (next >= to_share && (clear || span < 0.5));
+        done = done || (next >= to_share && (clear || (span < 0.5 && all(floor(here - 0.5) == floor(there - 0.5)))));
         let reached = clamp((nearest - line.start.z) / steepness, share, next);
         share = select(reached, next, clear || nearest == 0.0);
         most = select(0.25 * most, most, clear);
@@ -132,6 +132,9 @@ fn search(view: i32, ray: Ray, first: f32, last: f32, known: Hit, triangle: Look
     }
     let to_share = min(select(1.0, share_at(line, hit.distance), hit.triangle > 0u), shares.y);
     proved = proved && is_clear(view, line, shares.x, to_share);
+    let cell = vec2i(maps.views[view].size.zw + around(line, to_share, size));
+    let depth = max(line.start.z + to_share * line.change.z, 0.0);
+    proved = proved && textureLoad(map_silhouettes, cell, 0) <= depth + DEPTH_ROUNDING * abs(depth);
     return Found(hit, proved);
 }
 

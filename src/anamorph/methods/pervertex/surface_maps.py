@@ -4,15 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+import numpy as np
 import wgpu
 
-from anamorph.gpu.bindings import STORAGE, bind, layout_of, numbers, texture
-from anamorph.gpu.buffers import SceneBuffers
+from anamorph.gpu.bindings import STORAGE, bind, depths, layout_of, numbers, texture
+from anamorph.gpu.buffers import SceneBuffers, grown_buffer
 from anamorph.gpu.device import get_device, of_device
 from anamorph.gpu.drawing import bind_scene, make_pipeline, runs
 from anamorph.gpu.shaders import shader_module
-from anamorph.gpu.targets import begin_pass, make_target, make_texture
+from anamorph.gpu.targets import DEPTH_FORMAT, begin_depth_pass, begin_pass, make_target, make_texture
 from anamorph.methods.pervertex.rectangles import MOST_TEXELS, Rectangles, SceneMap, widest_side
+from anamorph.methods.pervertex.silhouettes import WORDS, edges_of, silhouettes
+from anamorph.scene.geometry import Geometry
 
 SURFACE_FORMAT = "rgba32uint"
 NEAREST_FORMAT = "r32float"
@@ -33,7 +36,12 @@ def _map_layout() -> wgpu.GPUBindGroupLayout:
 
 @of_device
 def _pyramid_layout() -> wgpu.GPUBindGroupLayout:
-    return layout_of(numbers(), texture(filterable=False))
+    return layout_of(numbers(), texture(filterable=False), depths())
+
+
+@of_device
+def _silhouette_layout() -> wgpu.GPUBindGroupLayout:
+    return layout_of(STORAGE, numbers(), stages=wgpu.ShaderStage.VERTEX | wgpu.ShaderStage.FRAGMENT)
 
 
 @of_device
@@ -57,15 +65,16 @@ class SurfaceMaps:
 
     Attributes
     ----------
-    surfaces, nearest : textures
+    surfaces, silhouettes, nearest : textures
         They are other ones after `place` has returned True.
     rectangles : Rectangles
         Where each map is.
     """
 
-    def __init__(self, scene: SceneBuffers) -> None:
-        self._scene = scene
+    def __init__(self, scene: SceneBuffers, geometry: Geometry) -> None:
+        self._scene, self._edges, self._positions = scene, edges_of(geometry), geometry.positions
         self._size = (0, 0)
+        self._records: wgpu.GPUBuffer | None = None
         self._group = bind(_map_layout(), [scene.vertices, scene.indices])
         self._pipeline = make_pipeline(
             shader_module("methods/pervertex/surface_map.wgsl"),
@@ -74,6 +83,14 @@ class SurfaceMaps:
             (SURFACE_FORMAT,),
             buffers=(),
             groups=(_map_layout(),),
+        )
+        self._silhouette_pipeline = make_pipeline(
+            shader_module("methods/pervertex/silhouettes.wgsl"),
+            "silhouette_vertex",
+            "silhouette",
+            (),
+            buffers=(),
+            groups=(_silhouette_layout(),),
         )
         self.rectangles: Rectangles[SceneMap] = Rectangles(MOST_TEXELS, ALIGNMENT)
         self._used = (1, 1)
@@ -91,15 +108,46 @@ class SurfaceMaps:
         self._size = size
         self._target = make_target(size, (SURFACE_FORMAT,))
         self.surfaces = self._target.textures[0]
+        self.silhouettes = make_texture(size, DEPTH_FORMAT)
+        self._missed = make_target(size, (), depth=self.silhouettes.create_view())
+        self._records = None
         half = size[0] // 2, size[1] // 2
         self.nearest = make_texture(half, NEAREST_FORMAT, levels=LEVELS)
         levels = [
             self.nearest.create_view(dimension="2d", base_mip_level=level, mip_level_count=1) for level in range(LEVELS)
         ]
         self._levels = [
-            (levels[level], bind(_pyramid_layout(), [self.surfaces.create_view(), levels[level - 1 if level else 1]]))
+            (
+                levels[level],
+                bind(
+                    _pyramid_layout(),
+                    [self.surfaces.create_view(), levels[level - 1 if level else 1], self._missed.depth],
+                ),
+            )
             for level in range(LEVELS)
         ]
+
+    def moved(self, geometry: Geometry) -> None:
+        """Follow the scene's vertices."""
+        self._positions = geometry.positions
+
+    def _draw_silhouettes(self, encoder: wgpu.GPUCommandEncoder) -> None:
+        found = silhouettes(self._edges, self._positions, self.rectangles.maps)
+        records = np.concatenate([*found, np.zeros((1, WORDS), np.float32)])
+        buffer = grown_buffer(self._records, records.nbytes)
+        if buffer is not self._records:
+            self._records = buffer
+            self._group_of_silhouettes = bind(_silhouette_layout(), [buffer, self.surfaces.create_view()])
+        get_device().queue.write_buffer(buffer, 0, records)
+        depth_pass = begin_depth_pass(encoder, self._missed)
+        depth_pass.set_pipeline(self._silhouette_pipeline)
+        depth_pass.set_bind_group(2, self._group_of_silhouettes)
+        first = 0
+        for (_, uniform), own in zip(self.rectangles.within(depth_pass), found, strict=True):
+            bind_scene(depth_pass, self._scene, uniform)
+            depth_pass.draw(6 * len(own), 1, 6 * first)
+            first += len(own)
+        depth_pass.end()
 
     def draw(self, encoder: wgpu.GPUCommandEncoder) -> None:
         """Draw the maps, and then the pyramid."""
@@ -112,6 +160,7 @@ class SurfaceMaps:
                 start, end = int(self._scene.first_face[first]), int(self._scene.first_face[last])
                 render_pass.draw(3 * (end - start), 1, 3 * start)
         render_pass.end()
+        self._draw_silhouettes(encoder)
         for level, (view, group) in enumerate(self._levels):
             attachment = {"view": view, "load_op": "clear", "store_op": "store"}
             level_pass = encoder.begin_render_pass(color_attachments=[attachment])

@@ -14,7 +14,7 @@ import wgpu
 from anamorph.gpu.bindings import STORAGE, bind, layout_of, numbers
 from anamorph.gpu.buffers import SceneBuffers
 from anamorph.gpu.device import get_device, of_device
-from anamorph.gpu.drawing import make_pipeline
+from anamorph.gpu.drawing import draw_mesh, make_pipeline
 from anamorph.gpu.shaders import shader_module
 from anamorph.gpu.targets import COLOR_FORMAT, SEEN_FORMATS, Target, begin_pass, make_texture, read_texture
 
@@ -78,6 +78,9 @@ class VisibilityBuffer:
             for pair in self.textures
         ]
         self._colored, self._alone = 0, alone
+        # Found samples do not lie where the image's do. Where other meshes are in a pixel, too, what was found gets all
+        # of its samples first, and the depth of specular meshes keeps those that see them.
+        self._shares_pixels = self.side > 1 and not alone
 
     def write(self, rectangle: Rectangle, texels: np.ndarray, line: int = 0) -> None:
         """Take over a rectangle of samples: `texels` (2, rows, columns, 4) uint32. A pixel around it becomes empty."""
@@ -107,6 +110,11 @@ class VisibilityBuffer:
         """Colour what has been found; shading and projection are bound."""
         for line in range(self._colored):
             self._draw(render_pass, self._colors[line], line)
+        if self.rectangle is not None and self._shares_pixels:
+            render_pass.set_bind_group(2, self._groups[0])
+            for number in self._scene.specular:
+                render_pass.set_pipeline(self._depths[number in self._scene.mirrors])
+                draw_mesh(render_pass, self._scene, number)
 
     def draw_seen(self, render_pass: wgpu.GPURenderPassEncoder) -> None:
         """Fill the seen buffers, by green light."""
@@ -125,15 +133,29 @@ class VisibilityBuffer:
     @cached_property
     def _colors(self) -> list[wgpu.GPURenderPipeline]:
         constants = {"SKY_IMAGE": int(self._scene.sky_image), "SIDE": self.side}
-        fragment = "found_color"
+        fragment, settings = "found_color", dict[str, Any]()
         if self.side > 1:
             fragment, constants["ALONE"] = "found_color_of_samples", int(self._alone)
+            settings = {"samples": self.side * self.side, "depth_write": not self._shares_pixels}
         return [
             self._pipeline(
-                fragment, (COLOR_FORMAT,), write_mask=mask, constants=constants, samples=self.side * self.side
+                fragment, (COLOR_FORMAT,), write_mask=mask, constants=constants | {"FIRST": int(line == 0)}, **settings
             )
-            for mask in LINE_MASKS[: len(self.textures)]
+            for line, mask in enumerate(LINE_MASKS[: len(self.textures)])
         ]
+
+    @cached_property
+    def _depths(self) -> tuple[wgpu.GPURenderPipeline, wgpu.GPURenderPipeline]:
+        """Draw the depth of glass, which is seen from both sides, and of mirrors."""
+        glass, mirrors = (
+            make_pipeline(
+                shader_module("gpu/visibility.wgsl"), "depth_vertex", "no_color", (COLOR_FORMAT,),
+                groups=(visibility_layout(),), samples=self.side * self.side, cull=cull, write_mask=0,
+                constants={"SIDE": self.side},
+            )
+            for cull in ("none", "back")
+        )  # fmt: skip
+        return glass, mirrors
 
     @cached_property
     def _seen(self) -> wgpu.GPURenderPipeline:

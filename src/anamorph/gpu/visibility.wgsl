@@ -14,9 +14,14 @@ override SIDE: i32 = 1;
 // pixel's others: black would come in from beyond the image.
 override ALONE: bool = false;
 
+// 1 for green light, or all of it: 0 for red and blue, which only some samples of a pixel may have of their own.
+override FIRST: bool = true;
+
 // The angle between neighbouring rays is the pixel's footprint only where they take the same way: bounces and first
 // specular object.
 const WAY = 0xFF00FFFFu;
+// The first specular object.
+const OBJECT = 0xFFFFu;
 
 fn path_end(texel: vec2i) -> PathEnd {
     return unpacked(textureLoad(first_texels, texel, 0), textureLoad(second_texels, texel, 0));
@@ -100,8 +105,45 @@ fn found_color(@builtin(position) pixel: vec4f) -> @location(0) vec4f {
 
 struct SampledColor {
     @location(0) color: vec4f,
-    // The samples of the pixel that have been found.
-    @builtin(sample_mask) found: u32,
+    @builtin(sample_mask) samples: u32,
+}
+
+// Whether a sample has an end that this pass colours: with other meshes in the image, one behind a specular surface.
+fn is_colored(end: PathEnd) -> bool {
+    return !is_empty(end) && (ALONE || (end.flags & OBJECT) != 0u);
+}
+
+// A sample that sees a specular surface, of a pixel or next to it; beyond the textures if there is none. An image's
+// own samples lie elsewhere in the pixel, and may be the only ones that see the surface.
+fn sample_near(corner: vec2i) -> vec2i {
+    let last = vec2i(textureDimensions(first_texels)) - 1;
+    for (var number = 0; number < SIDE * SIDE; number++) {
+        let texel = corner + vec2i(number % SIDE, number / SIDE);
+        if (textureLoad(second_texels, texel, 0).z & OBJECT) != 0u {
+            return texel;
+        }
+    }
+    let wide = SIDE + 2;
+    for (var number = 0; number < wide * wide; number++) {
+        let texel = clamp(corner - 1 + vec2i(number % wide, number / wide), vec2i(0), last);
+        if (textureLoad(second_texels, texel, 0).z & OBJECT) != 0u {
+            return texel;
+        }
+    }
+    return last + 1;
+}
+
+fn is_sample(texel: vec2i) -> bool {
+    return all(texel < vec2i(textureDimensions(first_texels)));
+}
+
+// Of specular meshes only the depth is drawn, in the image's own samples.
+@fragment
+fn no_color(@builtin(position) pixel: vec4f) -> @location(0) vec4f {
+    if !is_sample(sample_near(vec2i(pixel.xy) * SIDE)) {
+        discard;
+    }
+    return vec4f(0.0);
 }
 
 // With several samples a pixel, each triangle that some see on one way is coloured once, where they see it in the mean.
@@ -114,7 +156,7 @@ fn found_color_of_samples(@builtin(position) pixel: vec4f) -> SampledColor {
     for (var number = 0; number < SIDE * SIDE; number++) {
         let texel = corner + vec2i(number % SIDE, number / SIDE);
         let sample = path_end(texel);
-        if is_empty(sample) {
+        if !is_colored(sample) {
             continue;
         }
         found |= 1u << u32(number);
@@ -141,11 +183,16 @@ fn found_color_of_samples(@builtin(position) pixel: vec4f) -> SampledColor {
         }
     }
     if found == 0u {
-        discard;
+        let texel = sample_near(corner);
+        if ALONE || !is_sample(texel) {
+            discard;
+        }
+        let near = path_end(texel);
+        return SampledColor(vec4f(select(vec3f(0.0), seen_color(texel, near, near), arrives(near)), 1.0), 15u);
     }
     let last = vec2i(textureDimensions(first_texels)) - SIDE;
     let on_rim = any(corner == vec2i(0)) || any(corner == last);
-    return SampledColor(vec4f(color / f32(countOneBits(found)), 1.0), select(found, 15u, ALONE && on_rim));
+    return SampledColor(vec4f(color / f32(countOneBits(found)), 1.0), select(15u, found, !FIRST || (ALONE && !on_rim)));
 }
 
 @fragment

@@ -262,3 +262,15 @@ def test_wrong_options_are_named(specification, word):
     with pytest.raises(AnamorphError, match=word) as caught:
         open_view(CURVED, specification, SIZE)
     assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize("name", ["car-mirror", "spectacles-minus", "room", "saddle", "torus"])
+def test_four_samples_a_pixel_are_those_of_traced_rays_up_to_the_outlines(name):
+    """Both have the samples of the image see the same outlines, of what is specular and of what is not."""
+    scene = make(name)
+    traced, searched = (
+        drawn(scene, f"{method}antialias=4", (256, 192)).color for method in ("raytrace:", "pervertex:tolerance=0.5,")
+    )
+    apart = np.abs(traced - searched).max(axis=-1)
+    assert (apart > 0.01).mean() < 1e-3
+    assert (apart > 0.2).sum() <= 2

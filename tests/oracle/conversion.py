@@ -8,6 +8,7 @@ import anamorph
 from anamorph.lenses.lens import Lens
 from anamorph.lenses.making import lens_axes
 from anamorph.surfaces.base import Surface
+from oracle.parts import round_edge
 from oracle.scene import DIFFUSE, GLASS, MIRROR, Camera, Mesh, Part, Scene, Shape, Trim
 from oracle.subrays import Shown
 
@@ -80,11 +81,12 @@ def lens_parts(lens: Lens, middle: np.ndarray, axes: np.ndarray, radius: float) 
         own = Mesh(mesh.positions, mesh.normals, mesh.faces.astype(np.int64), mesh.parameters)
         height = (own.positions - middle) @ axes[2]
         ends = height.min() - 0.05 * radius, height.max() + 0.05 * radius
-        trim = Trim(middle, axes, radius, *ends, corners=len(lens.edge.positions) // 2)
+        trim = Trim(middle, axes, radius, *ends)
         shape = _shape(mesh.surface, mesh.side)
         faces.append(Part(mesh.name, own, GLASS, mesh.material.index, shape, trim))
     edge = lens.edge
-    return [*faces, Part(edge.name, Mesh(edge.positions, edge.normals, edge.faces.astype(np.int64)))]
+    band = Mesh(edge.positions, edge.normals, edge.faces.astype(np.int64))
+    return [*faces, Part(edge.name, band, finer=round_edge(*faces, axes))]
 
 
 def built_in(name: str) -> Scene:

@@ -65,6 +65,10 @@ AGREEING = [
     ("micrometres", 2),
     ("kilometres", 0),
     ("coarse-ball", 2),
+    ("coarse-cap", 2),
+    ("coarse-cap", 4),
+    ("spherical-lens", 1),
+    ("lens-near-focus", 1),
     ("large-ground", 3),
     ("far-away", 1),
 ]

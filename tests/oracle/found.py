@@ -188,5 +188,8 @@ FOUND: dict[str, Callable[[], Scene]] = {
 }  # fmt: skip
 """By name, what makes each scene."""
 
-AGREEING = ["near-mirror", "box-at-crossing", "wall-mirror-15cm", "worn-minus-7", "ball-of-6x12", "ground-of-4-km"]
+AGREEING = [
+    "near-mirror", "box-at-crossing", "wall-mirror-15cm", "worn-minus-7", "ball-of-6x12", "ground-of-4-km",
+    "spectacles-minus-half",
+]  # fmt: skip
 """Those on which the tests hold `raytrace` to the tracer."""

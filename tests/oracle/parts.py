@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 
 from oracle import meshes
-from oracle.scene import DIFFUSE, GLASS, MIRROR, Mesh, Part, Shape, Trim
+from oracle.scene import DIFFUSE, GLASS, MIRROR, Camera, Mesh, Part, Scene, Shape, Trim
+from oracle.tracer import Tracer
 
 
 def axes_toward(outward: np.ndarray, roll: float = 0.0) -> np.ndarray:
@@ -56,7 +58,7 @@ def face(
     mesh = meshes.over(shape, Trim(apex, axes), radius * unit, faces)
     height = (mesh.positions - apex) @ axes[2]
     room = 0.05 * radius
-    corners, phase, around = (4, 0.25 * math.pi, math.sqrt(2.0) * radius) if squared else (6 * rings, 0.0, radius)
+    corners, phase, around = (4, 0.25 * math.pi, math.sqrt(2.0) * radius) if squared else (0, 0.0, radius)
     trim = Trim(apex, axes, around, height.min() - room, height.max() + room, corners, phase)
     return Part(name, mesh, material, index, shape, trim)
 
@@ -107,7 +109,28 @@ def lens(
         else:
             shape = Shape("toroid", apex, _rolled(own, roll), curvatures)
         faces.append(face(f"{name}/{side}", shape, own, apex, radius, rings, False, GLASS, index))
-    return [*faces, *([Part(f"{name}/edge", _band(*(each.mesh for each in faces), axes, 6 * rings))] if edge else [])]
+    if not edge:
+        return faces
+    band = _band(*(each.mesh for each in faces), axes, 6 * rings)
+    return [*faces, Part(f"{name}/edge", band, finer=round_edge(*faces, axes))]
+
+
+def round_edge(front: Part, back: Part, axes: np.ndarray, count: int = 2048) -> Mesh:
+    """The band around a lens, so fine that it is round: between the circles in which its faces end."""
+    angle = 2.0 * math.pi * np.arange(count) / count
+    away = np.stack([np.cos(angle), np.sin(angle)], axis=-1) @ axes[:2]
+    rims = []
+    for part in (front, back):
+        trim, toward = part.trim, -part.trim.axes[2]
+        # What looks along the axis sees where the face is; a little more of it is there than in the lens.
+        wider = replace(part, material=DIFFUSE, trim=replace(trim, radius=1.001 * trim.radius))
+        start = trim.origin + trim.radius * away - trim.high * toward
+        seen = Tracer(Scene("rim", (wider,), Camera((0, 0, 1), (0, 0, 0), 40.0))).trace(
+            start, np.tile(toward, (count, 1))
+        )
+        assert (seen.object_id == 1).all()
+        rims.append(seen.position)
+    return _between(*rims, away)
 
 
 def _rolled(axes: np.ndarray, roll: float) -> np.ndarray:
@@ -126,10 +149,15 @@ def _band(front: Mesh, back: Mesh, axes: np.ndarray, count: int) -> Mesh:
         rims.append(rim[np.argsort((np.arctan2(y, x) + math.pi / count) % (2.0 * math.pi))])
     away = rims[0] - middle
     away -= np.outer(away @ axes[2], axes[2])
-    away /= np.linalg.norm(away, axis=1, keepdims=True)
+    return _between(*rims, away / np.linalg.norm(away, axis=1, keepdims=True))
+
+
+def _between(front: np.ndarray, back: np.ndarray, away: np.ndarray) -> Mesh:
+    """The triangles between two closed lines, (N, 3) each, with the unit normals `away`."""
+    count = len(front)
     one, following = np.arange(count), (np.arange(count) + 1) % count
     faces = [np.stack([one + count, following + count, following], -1), np.stack([one + count, following, one], -1)]
-    return Mesh(np.concatenate(rims), np.concatenate([away, away]), np.concatenate(faces))
+    return Mesh(np.concatenate([front, back]), np.concatenate([away, away]), np.concatenate(faces))
 
 
 def wavy(name: str, random: np.random.Generator, apex: np.ndarray, facing: np.ndarray, half: float, cells: int) -> Part:

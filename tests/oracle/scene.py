@@ -99,7 +99,7 @@ class Trim:
 
 @dataclass(frozen=True, eq=False)
 class Part:
-    """One object: its mesh, and where it has one its shape, which the tracer then takes instead of the mesh."""
+    """One object: its mesh, and what the tracer takes instead of it: the shape, or a finer mesh."""
 
     name: str
     mesh: Mesh
@@ -107,11 +107,15 @@ class Part:
     index: float = 1.0
     shape: Shape | None = None
     trim: Trim = field(default_factory=Trim)
+    finer: Mesh | None = None
 
     def moved(self, scale: float, offset: np.ndarray) -> Part:
-        mesh = replace(self.mesh, positions=scale * self.mesh.positions + offset)
+        mesh, finer = (
+            None if each is None else replace(each, positions=scale * each.positions + offset)
+            for each in (self.mesh, self.finer)
+        )
         if self.shape is None:
-            return replace(self, mesh=mesh)
+            return replace(self, mesh=mesh, finer=finer)
         if self.shape.kind != "sphere" and mesh.parameters is not None:
             mesh = replace(mesh, parameters=scale * mesh.parameters)
         return replace(self, mesh=mesh, shape=self.shape.moved(scale, offset), trim=self.trim.moved(scale, offset))
@@ -158,4 +162,4 @@ class Scene:
 
     def meshed(self) -> Scene:
         """The same scene without shapes: the meshes are what there is."""
-        return replace(self, parts=tuple(replace(part, shape=None) for part in self.parts))
+        return replace(self, parts=tuple(replace(part, shape=None, finer=None) for part in self.parts))

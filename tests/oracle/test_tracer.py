@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from oracle import parts
+from oracle import meshes, parts
 from oracle.mirror_families import wavy_meshes
 from oracle.scene import GLASS, MIRROR, Camera, Mesh, Part, Scene, Shape, Trim
 from oracle.tracer import LIMIT, TOTAL, Seen, Tracer
@@ -221,3 +221,16 @@ def test_a_scene_moved_and_scaled_shows_the_same():
     seen = [Tracer(each).look(each.camera, points, (64, 64)) for each in (scene, scene.moved(2.0**20))]
     assert (seen[0].object_id == seen[1].object_id).all() and (seen[0].specular > 0).mean() > 0.2
     np.testing.assert_allclose(seen[0].direction, seen[1].direction, atol=1e-12)
+
+
+def test_the_edge_of_a_lens_is_round_and_meets_its_faces():
+    front, back, edge = parts.lens("lens", np.ones(3), (0.2, 0.1, -1.0), (4.0, 3.0), (-2.0, -1.0), 0.02, 0.05, 1.5, 3)
+    axes = front.trim.axes
+    count = len(edge.finer.positions) // 2
+    for part, rim in ((front, edge.finer.positions[:count]), (back, edge.finer.positions[count:])):
+        across = (rim - front.trim.origin) @ axes[:2].T
+        # Rounded to float32.
+        assert np.abs(np.linalg.norm(across, axis=1) - 0.05).max() < 2e-7
+        local = (rim - part.shape.origin) @ part.shape.axes.T
+        assert np.abs(local[:, 2] - meshes.heights(part.shape, local[:, :2])[0]).max() < 2e-7
+    assert len(edge.mesh.positions) == 36

@@ -74,7 +74,9 @@ class Tracer:
     def __init__(self, scene: Scene, max_bounces: int = 8) -> None:
         numbered = list(enumerate(scene.parts, start=1))
         shaped = [(number, part) for number, part in numbered if part.shape is not None]
-        self._triangles = triangles_of([(number, part.mesh) for number, part in numbered if part.shape is None])
+        self._triangles = triangles_of(
+            [(number, part.finer or part.mesh) for number, part in numbered if part.shape is None]
+        )
         self._rows = np.array([packed(part.shape, part.trim) for _, part in shaped]).reshape(len(shaped), WORDS)
         self._owner = np.array([number for number, _ in shaped], np.int64)
         self._material = np.array([0, *(MATERIALS[part.material] for part in scene.parts)])

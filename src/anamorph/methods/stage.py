@@ -97,10 +97,13 @@ class Stage:
             values[first : first + len(part)] = part
         if not np.isfinite(values).all():
             raise AnamorphError(f"deform: {name} are not all finite; give numbers")
-        for index in self.buffers.specular:
+        refined = np.diff(self.geometry.first_vertex) != self._counts
+        for index in np.union1d(self.buffers.specular, np.flatnonzero(refined)):
             own = slice(*self.geometry.first_vertex[index : index + 2])
             # Far from the origin, given positions are rounded.
             if np.abs(values[own] - before[own]).max(initial=0.0) > 2.0**-23 * np.abs(origin).max():
                 mesh = self.view.scene.meshes[index].name
-                raise AnamorphError(f"deform: {name} of {mesh!r} differ, which is specular; leave its vertices alone")
+                raise AnamorphError(
+                    f"deform: {name} of {mesh!r} differ, which is specular or a lens's edge; leave its vertices alone"
+                )
         return values

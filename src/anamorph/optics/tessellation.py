@@ -5,13 +5,16 @@ Between its vertices a mesh has straight edges. Where the exact surface is known
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
 
+from anamorph.optics.rims import Rim, border_middles, lens_rims, mirror_rims, split_edge, split_within
 from anamorph.scene.camera import Camera
+from anamorph.scene.lens_pairs import lens_pairs
 from anamorph.scene.model import Mesh, Scene
-from anamorph.scene.subdivision import split
+from anamorph.scene.subdivision import cut_ends
 from anamorph.surfaces.plane import Plane
 
 MOST_CUTS = 6
@@ -20,17 +23,26 @@ MOST_TRIANGLES = 200_000
 OUTLINE = 0.33
 """How far the edges of a mesh may leave its exact surface, in pixels: its outline then lies within half a pixel."""
 
+BORDER = 0.05
+"""How far they may leave its border, in pixels. At a third of one, what a pixel shows beside the border may be hidden
+from all within half a pixel."""
+
+ENLARGED = 20.0
+"""How much less they may leave the border of a lens, which shows the far one enlarged and its edge obliquely."""
+
 
 def outlined_scene(scene: Scene, camera: Camera, size: tuple[int, int]) -> Scene:
     """A scene whose mirrors and lenses have the outlines of their exact surfaces, to half a pixel.
 
-    That is for meshes that turn away from the camera somewhere: between their vertices, none of their edges
-    leaves the surface by more than that at its own distance from the eye. Where a surface ends, its border is the
-    mesh's: straight from vertex to vertex, and where that is cut, along the surface.
+    Where a mesh turns away from the camera somewhere, none of its edges leaves the surface by more than that, at its
+    own distance from the eye, between its vertices. Where it ends, its border is on the surface, too: round or straight
+    as rims.py says.
 
-    Only meshes with an exact surface are cut. Each triangle is judged for itself, and meshes that share an edge cut it
-    alike; one that is shared with a mesh without an exact surface stays whole. A triangle is cut at most six times. Of
-    all these meshes together there are never more than 200,000 triangles: those that err the most come first.
+    Only meshes with an exact surface are cut, and the edges of lenses, which follow their faces. Each triangle is
+    judged for itself, and meshes that share an edge cut it alike; one that is shared with another mesh without an exact
+    surface stays whole. The border of a lens is cut all around or not at all, since the lens's axis is found by the
+    means of its borders. A triangle is cut at most six times. Of the meshes with an exact surface together there are
+    never more than 200,000 triangles: those that err the most come first.
 
     Parameters
     ----------
@@ -43,28 +55,54 @@ def outlined_scene(scene: Scene, camera: Camera, size: tuple[int, int]) -> Scene
     Scene
         With the same objects in the same order, and in each mesh the vertices that were there before, first.
     """
+    meshes = list(scene.meshes)
     chosen = [
         number
-        for number, mesh in enumerate(scene.meshes)
+        for number, mesh in enumerate(meshes)
         if mesh.specular and mesh.surface is not None and mesh.parameters is not None
     ]
-    meshes = list(scene.meshes)
+    lenses = lens_pairs(meshes) if chosen else ()
+    bands = [lens.edge for lens in lenses if lens.edge is not None]
+    rims = {number: mirror_rims(meshes[number]) for number in chosen}
+    for lens in lenses:
+        edge = None if lens.edge is None else meshes[lens.edge]
+        rims[lens.front] = rims[lens.back] = lens_rims(meshes[lens.front], meshes[lens.back], edge)
     for _ in range(MOST_CUTS if chosen else 0):
-        errors = np.concatenate([outline_errors(meshes[number], camera, size) for number in chosen])
+        own = {number: meshes[number] for number in chosen}
+        outline = np.concatenate([outline_errors(mesh, camera, size) for mesh in own.values()])
+        found = [border_errors(mesh, rims[number], camera, size) for number, mesh in own.items()]
+        border, arcs = (np.concatenate(each) for each in zip(*found, strict=True))
+        border *= OUTLINE / BORDER
+        if max(outline.max(), ENLARGED * border.max()) <= OUTLINE:
+            break
+        edges, kept = _edges(list(own.values()), _beside(meshes, [*chosen, *bands]))
+        shared = np.isin(edges, kept)
+        place, uses = np.unique(edges.ravel(), return_inverse=True, return_counts=True)[1:]
+        last = (uses[place] == 1).reshape(edges.shape) & ~shared
+        arcs &= last
+        errors = np.where(arcs, border, np.maximum(outline[:, None], np.where(last, border, 0.0)))
+        errors[shared] = 0.0
+        owner = np.repeat(chosen, [len(mesh.faces) for mesh in own.values()])
+        rings = [np.isin(owner, (lens.front, lens.back))[:, None] & (last | shared) for lens in lenses]
+        for ring in rings:
+            errors[ring] = ENLARGED * errors[ring].max(initial=0.0) if arcs[ring].all() else 0.0
         # Cutting the three edges of a triangle makes three more of it, and one more of each neighbour.
         most = max(MOST_TRIANGLES - len(errors), 0) // 6
-        coarse = np.flatnonzero(errors > OUTLINE)
-        coarse = coarse[np.argsort(-errors[coarse], kind="stable")][:most]
-        if not len(coarse):
-            break
-        refined = [meshes[number] for number in chosen]
-        edges, kept = _edges(refined, _beside(meshes, chosen))
-        wanted = np.setdiff1d(edges[coarse], kept)
+        coarse = np.flatnonzero(errors.max(axis=1) > OUTLINE)
+        coarse = coarse[np.argsort(-errors[coarse].max(axis=1), kind="stable")][:most]
+        wanted = edges[coarse][errors[coarse] > OUTLINE]
+        for ring in rings:
+            wanted = wanted if np.isin(edges[ring], wanted).all() else np.setdiff1d(wanted, edges[ring])
         if not len(wanted):
             break
-        cuts = np.split(np.isin(edges, wanted), np.cumsum([len(mesh.faces) for mesh in refined[:-1]]))
-        for number, cut in zip(chosen, cuts, strict=True):
-            meshes[number] = split(meshes[number], cut) if cut.any() else meshes[number]
+        cut = np.isin(edges, wanted)
+        for number, mesh in own.items():
+            here = owner == number
+            meshes[number] = split_within(mesh, cut[here], arcs[here], rims[number]) if cut[here].any() else mesh
+        for lens, ring in zip(lenses, rings, strict=True):
+            if lens.edge is not None and cut[ring].any():
+                before, after = ([each[face] for face in (lens.front, lens.back)] for each in (own, meshes))
+                meshes[lens.edge] = split_edge(meshes[lens.edge], rims[lens.front][0], before, after)
     return replace(scene, meshes=tuple(meshes))
 
 
@@ -80,8 +118,37 @@ def outline_errors(mesh: Mesh, camera: Camera, size: tuple[int, int]) -> np.ndar
     corners, normals = positions[mesh.faces], np.asarray(mesh.normals, float)[mesh.faces]
     edges, turns = (np.roll(each, -1, axis=1) - each for each in (corners, normals))
     leaves = np.abs(np.einsum("fei,fei->fe", edges, turns)).max(axis=1) / 8.0
-    distance = np.linalg.norm(corners - eye, axis=2).min(axis=1)
-    return leaves / np.maximum(distance, leaves) * size[1] / (2.0 * np.tan(np.radians(camera.field_of_view) / 2.0))
+    return _pixels(leaves, corners, camera, size)
+
+
+def border_errors(
+    mesh: Mesh, rims: Sequence[Rim], camera: Camera, size: tuple[int, int]
+) -> tuple[np.ndarray, np.ndarray]:
+    """How far the edges of each triangle leave the border of its exact surface.
+
+    Returns
+    -------
+    errors : (F, 3) float64
+        In pixels at its distance from the eye; 0 for an edge that two triangles have.
+    arcs : (F, 3) bool
+        Where the border is round.
+    """
+    ends, number = cut_ends(mesh.faces, np.ones(mesh.faces.shape, bool))
+    border = np.bincount(number, minlength=len(ends)) == 1
+    errors, arcs = np.zeros(len(ends)), np.zeros(len(ends), bool)
+    assert mesh.surface is not None
+    parameters, arcs[border] = border_middles(mesh, ends[border], rims)
+    corners = mesh.exact_positions()[ends[border]]
+    leaves = np.linalg.norm(mesh.surface.position(parameters) - corners.mean(axis=1), axis=1)
+    errors[border] = _pixels(leaves, corners, camera, size)
+    return errors[number].reshape(mesh.faces.shape), arcs[number].reshape(mesh.faces.shape)
+
+
+def _pixels(leaves: np.ndarray, corners: np.ndarray, camera: Camera, size: tuple[int, int]) -> np.ndarray:
+    """Lengths (N,) in metres as pixels, at the nearest of corners (N, K, 3) to the eye."""
+    distance = np.linalg.norm(corners - np.asarray(camera.position, float), axis=2).min(axis=1)
+    focal = size[1] / (2.0 * np.tan(np.radians(camera.field_of_view) / 2.0))
+    return leaves / np.maximum(distance, np.maximum(leaves, np.finfo(float).tiny)) * focal
 
 
 def _beside(meshes: list[Mesh], chosen: list[int]) -> np.ndarray:

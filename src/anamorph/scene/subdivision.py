@@ -55,14 +55,13 @@ def split(mesh: Mesh, cut: np.ndarray) -> Mesh:
     Returns
     -------
     Mesh
-        The old vertices first, as they were; the parts of each triangle in its place. New positions and normals are
+        The old vertices first, as they were, and the new ones in the order of `cut_ends`; the parts of each triangle
+        in its place. New positions and normals are
         those of the exact surface, the normals on the side of the old ones; texture coordinates and colours are means.
     """
     if mesh.surface is None or mesh.parameters is None:
         raise AnamorphError(f"part '{mesh.name}': has no exact surface to be subdivided on; give a finer mesh")
-    sides = np.sort(np.stack([mesh.faces, np.roll(mesh.faces, -1, axis=1)], axis=-1)[cut].astype(np.int64), axis=1)
-    keys, number = np.unique(sides[:, 0] << 32 | sides[:, 1], return_inverse=True)
-    ends = np.stack([keys >> 32, keys & 0xFFFFFFFF], axis=-1)
+    ends, number = cut_ends(mesh.faces, cut)
     middles = np.zeros(cut.shape, np.int64)
     middles[cut] = len(mesh.positions) + number
     parameters = mesh.surface.between(mesh.parameters[ends], mesh.positions[ends])
@@ -80,6 +79,13 @@ def split(mesh: Mesh, cut: np.ndarray) -> Mesh:
         colors=mean(mesh.colors),
         faces=_parts(mesh.faces, cut, middles).astype(np.int32),
     )
+
+
+def cut_ends(faces: np.ndarray, cut: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """The ends, (E, 2), of the edges of `faces` (F, 3) that are `cut` (F, 3), and each cut's number among them."""
+    sides = np.sort(np.stack([faces, np.roll(faces, -1, axis=1)], axis=-1)[cut].astype(np.int64), axis=1)
+    keys, number = np.unique(sides[:, 0] << 32 | sides[:, 1], return_inverse=True)
+    return np.stack([keys >> 32, keys & 0xFFFFFFFF], axis=-1), number
 
 
 def _with(old: np.ndarray, new: np.ndarray) -> np.ndarray:

@@ -10,7 +10,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from anamorph.optics.rims import Rim, border_middles, lens_rims, mirror_rims, split_edge, split_within
+from anamorph.optics.borders import RoundBorder, border_middles, lens_borders, mirror_borders, split_edge, split_within
 from anamorph.scene.camera import Camera
 from anamorph.scene.lens_pairs import lens_pairs
 from anamorph.scene.model import Mesh, Scene
@@ -36,7 +36,7 @@ def outlined_scene(scene: Scene, camera: Camera, size: tuple[int, int]) -> Scene
 
     Where a mesh turns away from the camera somewhere, none of its edges leaves the surface by more than that, at its
     own distance from the eye, between its vertices. Where it ends, its border is on the surface, too: round or straight
-    as rims.py says.
+    as borders.py says.
 
     Only meshes with an exact surface are cut, and the edges of lenses, which follow their faces. Each triangle is
     judged for itself, and meshes that share an edge cut it alike; one that is shared with another mesh without an exact
@@ -63,24 +63,24 @@ def outlined_scene(scene: Scene, camera: Camera, size: tuple[int, int]) -> Scene
     ]
     lenses = lens_pairs(meshes) if chosen else ()
     bands = [lens.edge for lens in lenses if lens.edge is not None]
-    rims = {number: mirror_rims(meshes[number]) for number in chosen}
+    borders = {number: mirror_borders(meshes[number]) for number in chosen}
     for lens in lenses:
         edge = None if lens.edge is None else meshes[lens.edge]
-        rims[lens.front] = rims[lens.back] = lens_rims(meshes[lens.front], meshes[lens.back], edge)
+        borders[lens.front] = borders[lens.back] = lens_borders(meshes[lens.front], meshes[lens.back], edge)
     for _ in range(MOST_CUTS if chosen else 0):
         own = {number: meshes[number] for number in chosen}
         outline = np.concatenate([outline_errors(mesh, camera, size) for mesh in own.values()])
-        found = [border_errors(mesh, rims[number], camera, size) for number, mesh in own.items()]
-        border, arcs = (np.concatenate(each) for each in zip(*found, strict=True))
-        border *= OUTLINE / BORDER
-        if max(outline.max(), ENLARGED * border.max()) <= OUTLINE:
+        found = [border_errors(mesh, borders[number], camera, size) for number, mesh in own.items()]
+        beyond, arcs = (np.concatenate(each) for each in zip(*found, strict=True))
+        beyond *= OUTLINE / BORDER
+        if max(outline.max(), ENLARGED * beyond.max()) <= OUTLINE:
             break
         edges, kept = _edges(list(own.values()), _beside(meshes, [*chosen, *bands]))
         shared = np.isin(edges, kept)
         place, uses = np.unique(edges.ravel(), return_inverse=True, return_counts=True)[1:]
         last = (uses[place] == 1).reshape(edges.shape) & ~shared
         arcs &= last
-        errors = np.where(arcs, border, np.maximum(outline[:, None], np.where(last, border, 0.0)))
+        errors = np.where(arcs, beyond, np.maximum(outline[:, None], np.where(last, beyond, 0.0)))
         errors[shared] = 0.0
         owner = np.repeat(chosen, [len(mesh.faces) for mesh in own.values()])
         rings = [np.isin(owner, (lens.front, lens.back))[:, None] & (last | shared) for lens in lenses]
@@ -98,11 +98,11 @@ def outlined_scene(scene: Scene, camera: Camera, size: tuple[int, int]) -> Scene
         cut = np.isin(edges, wanted)
         for number, mesh in own.items():
             here = owner == number
-            meshes[number] = split_within(mesh, cut[here], arcs[here], rims[number]) if cut[here].any() else mesh
+            meshes[number] = split_within(mesh, cut[here], arcs[here], borders[number]) if cut[here].any() else mesh
         for lens, ring in zip(lenses, rings, strict=True):
             if lens.edge is not None and cut[ring].any():
                 before, after = ([each[face] for face in (lens.front, lens.back)] for each in (own, meshes))
-                meshes[lens.edge] = split_edge(meshes[lens.edge], rims[lens.front][0], before, after)
+                meshes[lens.edge] = split_edge(meshes[lens.edge], borders[lens.front][0], before, after)
     return replace(scene, meshes=tuple(meshes))
 
 
@@ -122,7 +122,7 @@ def outline_errors(mesh: Mesh, camera: Camera, size: tuple[int, int]) -> np.ndar
 
 
 def border_errors(
-    mesh: Mesh, rims: Sequence[Rim], camera: Camera, size: tuple[int, int]
+    mesh: Mesh, rounds: Sequence[RoundBorder], camera: Camera, size: tuple[int, int]
 ) -> tuple[np.ndarray, np.ndarray]:
     """How far the edges of each triangle leave the border of its exact surface.
 
@@ -137,7 +137,7 @@ def border_errors(
     border = np.bincount(number, minlength=len(ends)) == 1
     errors, arcs = np.zeros(len(ends)), np.zeros(len(ends), bool)
     assert mesh.surface is not None
-    parameters, arcs[border] = border_middles(mesh, ends[border], rims)
+    parameters, arcs[border] = border_middles(mesh, ends[border], rounds)
     corners = mesh.exact_positions()[ends[border]]
     leaves = np.linalg.norm(mesh.surface.position(parameters) - corners.mean(axis=1), axis=1)
     errors[border] = _pixels(leaves, corners, camera, size)

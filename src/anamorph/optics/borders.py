@@ -32,13 +32,12 @@ WIDEST = 30.0
 """Degrees between two vertices of a mirror's border. Where they are further apart it is straight between them, as a
 hexagon is, whose corners lie on a circle too."""
 
-
 EXACT = 1e-12
-"""The same of a new vertex."""
+"""How far a new vertex may be from the surface, as a share of the radius."""
 
 
 @dataclass(frozen=True, eq=False)
-class Rim:
+class RoundBorder:
     """A cylinder that ends an exact surface: seen along the axis, the border is its circle.
 
     Parameters
@@ -82,21 +81,23 @@ class Rim:
         return chords + (self.radius / np.maximum(length, CLOSE * self.radius) - 1.0) * across
 
 
-def lens_rims(front: Mesh, back: Mesh, edge: Mesh | None) -> tuple[Rim, ...]:
+def lens_borders(front: Mesh, back: Mesh, edge: Mesh | None) -> tuple[RoundBorder, ...]:
     """What ends both faces of a lens; none if they are not round, or if the edge is more than a band between them."""
     lens = refractor(front, back)
-    rim = Rim(lens.middle, lens.axis, lens.radius)
+    circle = RoundBorder(lens.middle, lens.axis, lens.radius)
     borders = [_border(face) for face in (front, back)]
     counts = {2 * len(border) for border in borders}
     if edge is not None:
         counts |= {len(edge.positions), len(edge.faces)}
-    held = all(rim.holds(face.exact_positions()[border]) for face, border in zip((front, back), borders, strict=True))
-    return (rim,) if len(counts) == 1 and held else ()
+    held = all(
+        circle.holds(face.exact_positions()[border]) for face, border in zip((front, back), borders, strict=True)
+    )
+    return (circle,) if len(counts) == 1 and held else ()
 
 
-def mirror_rims(mesh: Mesh) -> tuple[Rim, ...]:
-    """What ends a mesh on a plane, a sphere, a toroid or an asphere: a rim for each piece of its border, from corner to
-    corner, whose vertices lie on one circle: in space, or seen along the axis of a toroid or an asphere."""
+def mirror_borders(mesh: Mesh) -> tuple[RoundBorder, ...]:
+    """What ends a mesh on a plane, a sphere, a toroid or an asphere where it is round: one for each piece of its border,
+    from corner to corner, whose vertices lie on a circle, in space or seen along the axis of a toroid or an asphere."""
     if not isinstance(mesh.surface, Plane | Sphere | SagSurface) or mesh.parameters is None:
         return ()
     vertices, ends = np.unique(border_edges(mesh), return_inverse=True)
@@ -118,11 +119,11 @@ def mirror_rims(mesh: Mesh) -> tuple[Rim, ...]:
     joined = coo_array((np.ones(len(pairs)), tuple(pairs.T)), shape=(ends.shape[1], ends.shape[1]))
     piece = connected_components(joined, directed=False)[1]
     pieces = (points[np.unique(ends[:, piece == number])] for number in np.flatnonzero(np.bincount(piece) > 2))
-    return tuple(rim for rim in (_through(each, axis) for each in pieces) if rim is not None)
+    return tuple(circle for circle in (_through(each, axis) for each in pieces) if circle is not None)
 
 
-def _through(points: np.ndarray, axis: np.ndarray | None) -> Rim | None:
-    """The rim through points (N, 3) about `axis`, or without one about the normal of their plane."""
+def _through(points: np.ndarray, axis: np.ndarray | None) -> RoundBorder | None:
+    """The round border through points (N, 3) about `axis`, or without one about the normal of their plane."""
     mean = points.mean(axis=0)
     sizes, directions = np.linalg.svd(points - mean, full_matrices=False)[1:]
     if axis is None:
@@ -137,11 +138,13 @@ def _through(points: np.ndarray, axis: np.ndarray | None) -> Rim | None:
     (x, y, rest), _, rank, _ = np.linalg.lstsq(rows, np.sum(places**2, axis=1), rcond=CLOSE)
     if len(points) < 4 or rank < 3:
         return None
-    rim = Rim(mean + scale * np.array([x, y]) @ flat, axis, scale * float(np.sqrt(rest + x * x + y * y)), WIDEST)
-    return rim if rim.holds(points) else None
+    circle = RoundBorder(
+        mean + scale * np.array([x, y]) @ flat, axis, scale * float(np.sqrt(rest + x * x + y * y)), WIDEST
+    )
+    return circle if circle.holds(points) else None
 
 
-def border_middles(mesh: Mesh, ends: np.ndarray, rims: Sequence[Rim]) -> tuple[np.ndarray, np.ndarray]:
+def border_middles(mesh: Mesh, ends: np.ndarray, rounds: Sequence[RoundBorder]) -> tuple[np.ndarray, np.ndarray]:
     """Where the border is halfway between neighbouring vertices `ends` (E, 2) of it.
 
     Returns
@@ -155,19 +158,19 @@ def border_middles(mesh: Mesh, ends: np.ndarray, rims: Sequence[Rim]) -> tuple[n
     parameters = mesh.surface.between(mesh.parameters[ends], mesh.positions[ends])
     arcs = np.zeros(len(ends), bool)
     places = mesh.surface.position(mesh.parameters[ends.ravel()]).reshape(-1, 2, 3)
-    for rim in rims:
-        own = rim.arcs(places) & ~arcs
+    for circle in rounds:
+        own = circle.arcs(places) & ~arcs
         if own.any():
-            points = rim.middles(places[own])
+            points = circle.middles(places[own])
             parameters[own] = mesh.surface.parameters(points)
             # A circle may lie on the surface already, where that runs along its axis.
-            if np.abs(mesh.surface.position(parameters[own]) - points).max() > EXACT * rim.radius:
-                parameters[own] = drop(mesh.surface, points, rim.axis)
+            if np.abs(mesh.surface.position(parameters[own]) - points).max() > EXACT * circle.radius:
+                parameters[own] = drop(mesh.surface, points, circle.axis)
             arcs |= own
     return parameters, arcs
 
 
-def split_within(mesh: Mesh, cut: np.ndarray, arcs: np.ndarray, rims: Sequence[Rim]) -> Mesh:
+def split_within(mesh: Mesh, cut: np.ndarray, arcs: np.ndarray, rounds: Sequence[RoundBorder]) -> Mesh:
     """As `split`, with the new vertices of a round border, whose edges are `arcs` (F, 3), on its circle."""
     finer = split(mesh, cut)
     assert mesh.surface is not None and finer.parameters is not None
@@ -175,14 +178,14 @@ def split_within(mesh: Mesh, cut: np.ndarray, arcs: np.ndarray, rims: Sequence[R
     own = np.unique(number[arcs[cut]])
     new = len(mesh.positions) + own
     positions, normals, parameters = finer.positions.copy(), finer.normals.copy(), finer.parameters.copy()
-    parameters[new] = border_middles(mesh, ends[own], rims)[0]
+    parameters[new] = border_middles(mesh, ends[own], rounds)[0]
     # No other mesh has these vertices, but for a lens's edge, which takes them as they are: nothing is rounded.
     positions[new] = mesh.surface.position(parameters[new])
     normals[new] = mesh.surface.normals_toward(parameters[new], normals[new])
     return replace(finer, positions=positions, normals=normals, parameters=parameters)
 
 
-def split_edge(edge: Mesh, rim: Rim, before: Sequence[Mesh], after: Sequence[Mesh]) -> Mesh:
+def split_edge(edge: Mesh, circle: RoundBorder, before: Sequence[Mesh], after: Sequence[Mesh]) -> Mesh:
     """The edge of a lens as its two faces are after they have been cut all around: the band between their borders.
 
     Returns
@@ -197,9 +200,9 @@ def split_edge(edge: Mesh, rim: Rim, before: Sequence[Mesh], after: Sequence[Mes
     theirs = np.concatenate([face.positions[_border(face)] for face in before])
     side = np.concatenate([KDTree(theirs).query(edge.positions)[1] >= count, np.repeat([False, True], count)])
     # Around the axis, from half a step before the first vertex, so that rounding does not part the first from the last.
-    away = rim.across(positions)
+    away = circle.across(positions)
     right = away[0] / np.linalg.norm(away[0])
-    angle = np.arctan2(away @ np.cross(rim.axis, right), away @ right)
+    angle = np.arctan2(away @ np.cross(circle.axis, right), away @ right)
     order = np.argsort((angle + 0.5 * np.pi / count) % (2.0 * np.pi))
     rings = [order[side[order] == number] for number in (False, True)]
 

@@ -14,8 +14,8 @@ from anamorph.lenses.lens import disc
 from anamorph.lenses.making import lens_axes, worn_lens
 from anamorph.lenses.prescription import Prescription
 from anamorph.optics import tessellation
+from anamorph.optics.borders import lens_borders, mirror_borders
 from anamorph.optics.refraction import refractor
-from anamorph.optics.rims import lens_rims, mirror_rims
 from anamorph.optics.tessellation import BORDER, ENLARGED, border_errors, outlined_scene
 from anamorph.scene.camera import Camera
 from anamorph.scene.geometry import flatten
@@ -116,7 +116,7 @@ def test_its_chords_leave_the_circle_by_less_than_the_bound(name):
     distance = np.linalg.norm(ends - np.asarray(EYE.position), axis=2).min(axis=1)
     focal = 0.5 * SIZE[1] / np.tan(np.radians(0.5 * EYE.field_of_view))
     assert (height / distance * focal).max() <= BORDER
-    assert border_errors(fine, mirror_rims(fine), EYE, SIZE)[0].max() <= BORDER
+    assert border_errors(fine, mirror_borders(fine), EYE, SIZE)[0].max() <= BORDER
     # Not finer than need be: a round border of half as many vertices would be too coarse somewhere.
     assert (4.0 * height / distance * focal).max() > BORDER
 
@@ -142,9 +142,9 @@ def test_half_a_disc_is_round_and_keeps_its_straight_cut(name, middle):
         coarse = replace(coarse, faces=fan.astype(np.int32))
     (fine,) = refined(coarse)
     places, _, edges = border_of(fine)
-    rim = np.unique(edges)
-    straight = np.abs(places[rim, 1]) < 1e-9
-    round_ = np.abs(np.linalg.norm(places[rim], axis=1) - REACH) < 1e-9
+    border = np.unique(edges)
+    straight = np.abs(places[border, 1]) < 1e-9
+    round_ = np.abs(np.linalg.norm(places[border], axis=1) - REACH) < 1e-9
     assert (straight | round_).all() and round_.sum() == 12 * 8 + 1
     assert straight.sum() > 2 + middle or name == "plane"
 
@@ -165,7 +165,7 @@ def test_half_a_ball_ends_in_a_great_circle():
 
 def test_a_hole_is_round_too():
     coarse = annulus()
-    assert len(mirror_rims(coarse)) == 2
+    assert len(mirror_borders(coarse)) == 2
     (fine,) = refined(coarse)
     places, _, edges = border_of(fine)
     radii = np.linalg.norm(places[np.unique(edges)], axis=1)
@@ -204,13 +204,13 @@ def test_a_lens_ends_on_its_cylinder_and_stays_closed(name):
         assert (new.positions[: len(old.positions)] == old.positions).all()
         assert (new.normals[: len(old.normals)] == old.normals).all()
     for face in (front, back):
-        rim = np.unique(border_edges(face))
-        away = face.exact_positions()[rim] - after.middle
+        border = np.unique(border_edges(face))
+        away = face.exact_positions()[border] - after.middle
         away -= np.outer(away @ after.axis, after.axis)
         assert np.abs(np.linalg.norm(away, axis=1) - after.radius).max() < 1e-9
-        borders.append(face.positions[rim])
-        errors, arcs = border_errors(face, lens_rims(front, back, edge), camera, SIZE)
-        assert errors.max() <= BORDER / ENLARGED and arcs.sum() == len(rim)
+        borders.append(face.positions[border])
+        errors, arcs = border_errors(face, lens_borders(front, back, edge), camera, SIZE)
+        assert errors.max() <= BORDER / ENLARGED and arcs.sum() == len(border)
     # Each vertex of the edge is one of a face's border, to the last bit, and the other way round.
     own, theirs = ({tuple(each) for each in values.tolist()} for values in (edge.positions, np.concatenate(borders)))
     assert own == theirs and len(own) == len(edge.positions) and len(edge.faces) == len(edge.positions)
@@ -227,7 +227,7 @@ def test_a_lens_of_other_trim_stays_as_it_is():
         replace(face, faces=face.faces[(face.positions[face.faces, 0] > place.mean()).all(axis=1)])
         for face in (lens.front, lens.back)
     ]
-    assert lens_rims(*halves, None) == ()
+    assert lens_borders(*halves, None) == ()
     assert [len(mesh.faces) for mesh in refined(*halves, camera=camera)] == [len(half.faces) for half in halves]
     odd = replace(lens.edge, positions=np.concatenate([lens.edge.positions, [[0.0, 0.0, 0.0]]]))
     odd = replace(odd, normals=np.concatenate([odd.normals, [[0.0, 0.0, 1.0]]]))

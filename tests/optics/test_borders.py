@@ -9,6 +9,7 @@ import pytest
 from scenes import flat_mirror, open_edges, open_view, scene_with
 
 from anamorph.base.errors import AnamorphError
+from anamorph.gallery.solids import lattice
 from anamorph.gallery.spheres import mirror_ball
 from anamorph.lenses.lens import disc
 from anamorph.lenses.making import lens_axes, worn_lens
@@ -271,6 +272,22 @@ def test_what_ends_nowhere_and_what_ends_well_stays_as_it_is():
         assert all(
             new is old for new, old in zip(refined(*meshes, camera=camera, size=(160, 120)), meshes, strict=True)
         )
+
+
+@pytest.mark.parametrize("radius", [3.0, 30.0, 1e3, 1e5])
+def test_the_sides_of_a_square_are_sections_of_the_sphere_however_flat_that_is(radius):
+    """Each side has vertices enough to tell its plane, in which it stays."""
+    sphere = Sphere(MIDDLE - radius * AXES[2], radius, AXES)
+    ticks = np.linspace(-REACH, REACH, 5)
+    places = np.stack(np.meshgrid(ticks, ticks), axis=-1).reshape(-1, 2)
+    coarse = on(sphere, places, lattice(5, 5))
+    errors = border_errors(coarse, mirror_borders(coarse), EYE, SIZE)[0]
+    height = radius - np.sqrt(radius**2 - 0.15**2 / 4.0)
+    assert errors.max() < 1.1 * height / 1.2 * 1056.0
+    (fine,) = refined(coarse)
+    assert (fine is coarse) == (errors.max() <= BORDER)
+    across, _, edges = border_of(fine)
+    assert np.abs(np.abs(across[np.unique(edges)]).max(axis=1) - REACH).max() < 1e-9
 
 
 def test_a_border_that_another_mesh_shares_is_left_to_it():

@@ -30,7 +30,7 @@ class Stage:
     recorder : Recorder
     view : View
         What to draw, near the origin: coordinates in it are the world's less `origin`. Its mirrors and lenses have the
-        outlines of their exact surfaces, as the camera of the view sees them.
+        outlines of their exact surfaces, as the camera of the view sees them, or if that is a ray mesh, the scene's.
     origin : (3,) float64
         Zeros, but for a scene far from the origin, metres.
     has_pinhole : bool
@@ -48,8 +48,7 @@ class Stage:
         self.origin = origin_of(view.scene)
         self._moved: tuple[Camera | RayMesh, Camera | RayMesh] | None = None
         scene, camera = moved_scene(view.scene, -self.origin), self.local(view.camera)
-        if isinstance(camera, Camera):
-            scene = outlined_scene(scene, camera, view.size)
+        scene = outlined_scene(scene, camera if isinstance(camera, Camera) else scene.camera, view.size)
         self.view = replace(view, scene=scene, camera=camera)
         self.recorder = Recorder()
         self.has_pinhole = isinstance(camera, Camera)

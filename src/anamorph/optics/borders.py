@@ -26,14 +26,11 @@ from anamorph.surfaces.sag import SagSurface
 from anamorph.surfaces.sphere import Sphere
 
 CLOSE = 1e-6
-"""How far a vertex of a round border may be from its circle, as a share of the radius."""
+"""How far a vertex of a round border may be from its circle, as a share of what there is of that."""
 
 WIDEST = 30.0
 """Degrees between two vertices of a mirror's border. Where they are further apart it is straight between them, as a
 hexagon is, whose corners lie on a circle too."""
-
-EXACT = 1e-12
-"""How far a new vertex may be from the surface, as a share of the radius."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,14 +43,18 @@ class RoundBorder:
         A point of the axis, metres, and its unit direction.
     radius : float
         Metres.
-    widest : float
-        Between two neighbouring vertices, degrees about the axis; a longer edge is straight.
+    close : float
+        How far from it a vertex may be that counts as on it, metres.
+    of_lens : bool
+        Of a lens every edge that ends on it is an arc, and the surface is met along the axis. Of a mirror long ones are
+        straight, and the circle lies on the surface, or seen along the surface's own axis.
     """
 
     middle: np.ndarray
     axis: np.ndarray
     radius: float
-    widest: float = 180.0
+    close: float
+    of_lens: bool
 
     def across(self, points: np.ndarray) -> np.ndarray:
         """The offsets of points (N, 3) from the axis, at right angles to it."""
@@ -63,14 +64,14 @@ class RoundBorder:
     def holds(self, points: np.ndarray) -> bool:
         """Whether all points lie on it."""
         away = np.linalg.norm(self.across(points), axis=1) - self.radius
-        return bool(np.abs(away).max(initial=0.0) <= CLOSE * self.radius)
+        return bool(np.abs(away).max(initial=0.0) <= self.close)
 
     def arcs(self, ends: np.ndarray) -> np.ndarray:
         """Which edges (E, 2, 3) are chords of it, (E,) bool."""
         first, second = (self.across(ends[:, end]) for end in (0, 1))
         lengths = np.stack([np.linalg.norm(each, axis=1) for each in (first, second)])
-        on = (np.abs(lengths - self.radius) <= CLOSE * self.radius).all(axis=0)
-        least = np.cos(np.radians(self.widest)) - CLOSE
+        on = (np.abs(lengths - self.radius) <= self.close).all(axis=0)
+        least = -np.inf if self.of_lens else np.cos(np.radians(WIDEST)) - CLOSE
         return on & (np.einsum("ei,ei->e", first, second) >= least * self.radius**2)
 
     def middles(self, ends: np.ndarray) -> np.ndarray:
@@ -84,7 +85,7 @@ class RoundBorder:
 def lens_borders(front: Mesh, back: Mesh, edge: Mesh | None) -> tuple[RoundBorder, ...]:
     """What ends both faces of a lens; none if they are not round, or if the edge is more than a band between them."""
     lens = refractor(front, back)
-    circle = RoundBorder(lens.middle, lens.axis, lens.radius)
+    circle = RoundBorder(lens.middle, lens.axis, lens.radius, CLOSE * lens.radius, True)
     borders = [_border(face) for face in (front, back)]
     counts = {2 * len(border) for border in borders}
     if edge is not None:
@@ -96,8 +97,11 @@ def lens_borders(front: Mesh, back: Mesh, edge: Mesh | None) -> tuple[RoundBorde
 
 
 def mirror_borders(mesh: Mesh) -> tuple[RoundBorder, ...]:
-    """What ends a mesh on a plane, a sphere, a toroid or an asphere where it is round: one for each piece of its border,
-    from corner to corner, whose vertices lie on a circle, in space or seen along the axis of a toroid or an asphere."""
+    """What ends a mesh on a plane, a sphere, a toroid or an asphere where it is round.
+
+    There is one for each piece of its border, from corner to corner, whose vertices lie on a circle: in space, or seen
+    along the axis of a toroid or an asphere.
+    """
     if not isinstance(mesh.surface, Plane | Sphere | SagSurface) or mesh.parameters is None:
         return ()
     vertices, ends = np.unique(border_edges(mesh), return_inverse=True)
@@ -138,9 +142,9 @@ def _through(points: np.ndarray, axis: np.ndarray | None) -> RoundBorder | None:
     (x, y, rest), _, rank, _ = np.linalg.lstsq(rows, np.sum(places**2, axis=1), rcond=CLOSE)
     if len(points) < 4 or rank < 3:
         return None
-    circle = RoundBorder(
-        mean + scale * np.array([x, y]) @ flat, axis, scale * float(np.sqrt(rest + x * x + y * y)), WIDEST
-    )
+    radius = scale * float(np.sqrt(rest + x * x + y * y))
+    close = CLOSE * min(radius, scale)
+    circle = RoundBorder(mean + scale * np.array([x, y]) @ flat, axis, radius, close, False)
     return circle if circle.holds(points) else None
 
 
@@ -162,10 +166,9 @@ def border_middles(mesh: Mesh, ends: np.ndarray, rounds: Sequence[RoundBorder]) 
         own = circle.arcs(places) & ~arcs
         if own.any():
             points = circle.middles(places[own])
-            parameters[own] = mesh.surface.parameters(points)
-            # A circle may lie on the surface already, where that runs along its axis.
-            if np.abs(mesh.surface.position(parameters[own]) - points).max() > EXACT * circle.radius:
-                parameters[own] = drop(mesh.surface, points, circle.axis)
+            parameters[own] = (
+                drop(mesh.surface, points, circle.axis) if circle.of_lens else mesh.surface.parameters(points)
+            )
             arcs |= own
     return parameters, arcs
 

@@ -59,7 +59,7 @@ def test_the_device_gets_the_plans_lookups_and_projection_in_single_precision(mo
     drawing.prepare(get_device().create_command_encoder(), CAMERA, (0.0, 0.0))
     held = drawing.diagnostics()
     (level,) = held["levels"]
-    body_rays, plan = plan_of(CURVED)
+    body_rays, plan = plan_of(stage.view.scene)
     (draw,) = held["seen"].draws
     triangles, data = (written[buffer] for buffer in level.buffers)
     triangles = triangles.reshape(-1, 4)[draw.first : draw.first + draw.count]

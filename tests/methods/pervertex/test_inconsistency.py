@@ -138,11 +138,12 @@ def test_a_vertex_is_inconsistent_where_something_stands_between_the_viewpoint_a
 
 def test_balls_tell_which_vertices_are_consistent():
     scene = with_pole(spherical_mirror(-1.4))
-    drawing = PerVertexDrawing(Stage(View(scene, CAMERA, SIZE)), Options())
+    stage = Stage(View(scene, CAMERA, IMAGE))
+    drawing = PerVertexDrawing(stage, Options())
     (seen,) = drawing.plan(CAMERA).seen
     hidden = inconsistent_vertices(seen, drawing.surroundings)
     frame = drawn(scene, "pervertex:map=image,overlay=inconsistency", IMAGE)
-    places = pixels_of(CAMERA, IMAGE, vertices_of(scene))
+    places = pixels_of(CAMERA, IMAGE, vertices_of(stage.view.scene))
     visible = np.array([frame.specular[int(y), int(x)] > 0 for x, y in places])
     colors = np.array([frame.color[int(y), int(x)] for x, y in places])
     blue = (colors[:, 2] > 3.0 * colors[:, 0]) & (colors[:, 2] > 3.0 * colors[:, 1])

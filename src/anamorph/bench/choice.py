@@ -36,7 +36,7 @@ def choice_table(
     """Time built-in scenes, all within half a pixel of each other, and fit the costs.
 
     How much longer searching takes than tracing is a sum of what the costs count; they are found by non-negative least
-    squares.
+    squares, of shares of the slower one's time.
     """
     width, height = size
     table = headed(
@@ -44,7 +44,7 @@ def choice_table(
         f"{adapter_name()}; {frames} frames, the eye moving",
         "scene", *WAYS, "auto over the faster",
     )  # fmt: skip
-    terms, differences = [], []
+    terms, differences, slower = [], [], list[float]()
     for done, name in enumerate(names):
         report(done, len(names), f"timing {name}")
         scene = gallery.make(name)
@@ -63,7 +63,8 @@ def choice_table(
             ]
         )
         differences.append(1e6 * (medians[0] - medians[1]))
-    matrix = np.array(terms, float)
-    scale = np.maximum(np.abs(matrix).max(axis=0), 1e-30)
-    found, _ = nnls(matrix / scale, np.array(differences))
+        slower.append(1e6 * max(medians[:2]))
+    matrix = np.array(terms, float) / np.array(slower)[:, None]
+    scale = np.maximum(np.abs(matrix).max(axis=0), np.finfo(float).tiny)
+    found, _ = nnls(matrix / scale, np.array(differences) / slower)
     return table, Costs(*(found / scale).tolist())

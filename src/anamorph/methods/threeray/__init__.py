@@ -1,0 +1,22 @@
+"""Three-ray cameras: what each triangle of a mirror may see, found in a tree and met by the rays of its own pixels.
+
+Source: Mei, Popescu and Sacks, "A hybrid backward-forward method for interactive reflections" (2007).
+
+| section of the paper | what | module |
+| --- | --- | --- |
+| 3.1 | the reflected geometry as surfels | `surfels` |
+| 4 | the tree over them | `surfel_tree`, `halving` |
+| 5 | the cameras of an image, and which samples each owns | `cameras_seen` |
+| 5 | what of a camera does not depend on what it looks at | `camera_frames` |
+| in place of 5.2 | what a camera may see, bounded linearly | `bounds` |
+| | each sample's own ray | `sample_rays` |
+| in place of 6 | what each sample's ray meets | `meeting` |
+| | what objects do to light and to rays that leave them | `objects` |
+| | where paths end, for the visibility buffer; which of them go on | `camera_records` |
+| | what stands before a mirror hides it | `hiding`: `hidden.wgsl` |
+| | the frame | `threeray` |
+
+Which points a camera may see twice (5.1) is in `anamorph.raytriangle`: `seen_once`.
+"""
+
+from anamorph.methods.threeray.threeray import METHOD as METHOD

@@ -123,7 +123,7 @@ def test_a_spacing_that_makes_too_many_surfels_is_refused_before_they_are_made()
 def test_so_is_one_that_only_sampling_finds_out(monkeypatch):
     monkeypatch.setattr(module, "MOST", 100)
     corners = triangles(0)
-    with pytest.raises(AnamorphError, match="spacing makes more than 100 surfels"):
+    with pytest.raises(AnamorphError, match="the scene makes more than 100 surfels; give spacing"):
         sample(corners, lambda center: np.full(len(center), 0.05))
 
 

@@ -96,7 +96,9 @@ def sample(corners: np.ndarray, limit: Limit) -> Surfels:
         done_triangles.append(triangle[~wide])
         count += len(triangle)
         if wide.any() and count + np.count_nonzero(wide) > MOST:
-            raise AnamorphError(f"threeray: spacing makes more than {MOST} surfels; give a larger one")
+            raise AnamorphError(
+                f"threeray: the scene makes more than {MOST} surfels; give spacing=METRES, or a larger one"
+            )
         count -= int(np.count_nonzero(wide))
         weights = _bisected(weights[wide], places[wide])
         triangle = np.repeat(triangle[wide], 2)

@@ -87,7 +87,7 @@ class VisibilityBuffer:
         x0, y0, x1, y1 = rectangle
         left, top = max(x0 - self.side, 0), max(y0 - self.side, 0)
         right, bottom = min(x1 + self.side, self.size[0]), min(y1 + self.side, self.size[1])
-        # What an earlier frame has left there is no neighbour of what is written now.
+        # What an earlier frame has left there must not give these pixels their footprints.
         around = (left, top, right, y0), (left, y1, right, bottom), (left, y0, x0, y1), (x1, y0, right, y1)
         for texture, rows in zip(self.textures[line], texels, strict=True):
             _write(texture, rectangle, rows)

@@ -65,8 +65,8 @@ def _own_or_other(name: str, own_kind: int, own: Callable, other: Callable) -> C
             return own(numbers, origin, direction, distance, u, v, facing)
         return other(kind, numbers, origin, direction, distance, u, v, facing)
 
-    # Machine code that was kept on disk finds a function by its name and a number that starts anew in each process: of
-    # two that have one name it can take the wrong one.
+    # Machine code that was kept on disk finds a function by its name and a number that each process counts from the
+    # start: of two that have one name it can take the wrong one.
     own_or_other.__qualname__ = name
     # Part of the machine code of `meet`, which is kept on disk; on its own it could not be found there again.
     return numba.njit(own_or_other, nogil=True, error_model="numpy", _nrt=False)

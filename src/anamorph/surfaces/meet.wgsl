@@ -11,7 +11,7 @@
 
 // The kind is an override constant of the pipeline, so that no other kind's code is left in it. `point` is where the
 // ray, of unit direction, meets the mesh; `uv` are the parameters there, which patches need, from 0 to 1 over the
-// patch; `facing` is the mesh's normal there, which tells of two hits which one is meant.
+// patch; `facing` is the mesh's normal there, by which the right one of two hits is chosen.
 fn meet(kind: u32, first: u32, point: vec3f, direction: vec3f, uv: vec2f, facing: vec3f) -> Met {
     var found = Met(false, 0.0, facing);
     if kind == PATCH {

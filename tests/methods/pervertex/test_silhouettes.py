@@ -176,3 +176,17 @@ def test_silhouettes_follow_what_moves():
     assert maps.rectangles.maps
     assert (frame.object_id == expected.object_id).mean() > 0.9999
     assert (frame.status == expected.status).mean() > 0.9999
+
+
+def test_triangles_that_part_have_a_border_each_from_then_on():
+    corners = np.float32([(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 0), (1, 0, 0), (0, -1, 0)])
+    geometry = flatten(scene_of(mesh_of(corners, [(0, 1, 2), (4, 3, 5)])))
+    edges = edges_of(geometry)
+    assert (~borders(edges)).sum() == 1
+    assert {frozenset(pair) for pair in edges.twins.tolist()} == {frozenset((0, 3)), frozenset((1, 4))}
+    together = replace(geometry, positions=geometry.positions + np.float32(1.0))
+    assert edges.moved(together) is edges
+    apart = geometry.positions.copy()
+    apart[3:] -= np.float32([0.0, 0.5, 0.0])
+    parted = edges.moved(replace(geometry, positions=apart))
+    assert borders(parted).all() and len(parted.corners) == 6

@@ -51,7 +51,7 @@ class MapView(SceneMap):
 
 
 class Atlas:
-    """The textures of one set of maps, which is laid out anew for each frame.
+    """The textures of one set of maps, laid out for each frame.
 
     Attributes
     ----------

@@ -30,7 +30,7 @@ class Options:
         Degrees: a body whose rays spread wider is too wide for one map.
     wide : str
         What is drawn for such a body with maps of colours: "patches", into which it is divided, with a map each, or
-        "cube", a cube map at its virtual viewpoint. Where there is no such point behind it, it is divided all the same.
+        "cube", a cube map at its virtual viewpoint. Without such a point behind it, it is divided into patches.
     bounces : int
         How many specular interfaces a path may meet with maps of colours: a mirror is one, a lens is two. Paths that
         are traced may meet eight.

@@ -1,4 +1,4 @@
-"""Rectangles of one texture, one for each of a frame's maps, laid out anew for each frame."""
+"""Rectangles of one texture, one for each map: every frame lays out its own."""
 
 from __future__ import annotations
 

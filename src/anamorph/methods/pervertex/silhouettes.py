@@ -35,10 +35,18 @@ class Edges:
         Vertices: the edge's two, then the third of each of its triangles; twice the same at a border.
     first : (meshes + 1,) int64
         Mesh i owns edges first[i] to first[i + 1].
+    twins : (N, 2) int32
+        Vertices at one place each, by which triangles share an edge.
     """
 
     corners: np.ndarray
     first: np.ndarray
+    twins: np.ndarray
+
+    def moved(self, geometry: Geometry) -> Edges:
+        """The edges after vertices have moved: found again where what were one place are two."""
+        one, other = geometry.positions[self.twins].swapaxes(0, 1)
+        return edges_of(geometry) if (one != other).any() else self
 
 
 def edges_of(geometry: Geometry) -> Edges:
@@ -57,11 +65,14 @@ def edges_of(geometry: Geometry) -> Edges:
     alone = order[np.repeat(counts != 2, counts)]
     pairs = first[counts == 2]
     one, other = np.append(order[pairs], alone), np.append(order[pairs + 1], alone)
+    turned = place[starts[one]] != place[starts[other]]
+    theirs = np.where(turned, ends[other], starts[other]), np.where(turned, starts[other], ends[other])
+    twins = np.stack([np.append(starts[one], ends[one]), np.append(*theirs)], axis=1)
     corners = np.stack([starts[one], ends[one], thirds[one], thirds[other]], axis=1)
     mesh = geometry.vertex_object[corners[:, 0]]
     by_mesh = np.argsort(mesh, kind="stable")
     bounds = np.searchsorted(mesh[by_mesh], np.arange(1, len(geometry.first_face) + 1))
-    return Edges(corners[by_mesh].astype(np.int32), bounds)
+    return Edges(corners[by_mesh].astype(np.int32), bounds, twins[twins[:, 0] != twins[:, 1]].astype(np.int32))
 
 
 def silhouettes(edges: Edges, positions: np.ndarray, maps: Sequence[SceneMap]) -> list[np.ndarray]:

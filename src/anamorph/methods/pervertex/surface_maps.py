@@ -129,7 +129,7 @@ class SurfaceMaps:
 
     def moved(self, geometry: Geometry) -> None:
         """Follow the scene's vertices."""
-        self._positions = geometry.positions
+        self._edges, self._positions = self._edges.moved(geometry), geometry.positions
 
     def _draw_silhouettes(self, encoder: wgpu.GPUCommandEncoder) -> None:
         found = silhouettes(self._edges, self._positions, self.rectangles.maps)

@@ -4,7 +4,7 @@ Each object has a tree of its own, and above these stands one over the objects. 
 traversal meets them: behind an inner node come its two halves. Compiled.
 
 Source: Mei, Popescu and Sacks 2007, section 4. Deviation: nodes are halved at the median of their widest side, which
-bounds the depth whatever the points are, and objects that move keep their trees: boxes alone are fitted anew.
+bounds the depth whatever the points are, and objects that move keep their trees, and only the boxes follow.
 """
 
 from __future__ import annotations
@@ -81,7 +81,8 @@ def _above(
     ranked = np.argsort(places[:, np.ptp(places, axis=0).argmax()], kind="stable")
     middle = len(parts) // 2
     halves = [_above([parts[k] for k in some], center, order) for some in (ranked[:middle], ranked[middle:])]
-    return tuple(np.concatenate([[0], *columns]) for columns in zip(*halves, strict=True))  # type: ignore[return-value]
+    first, count = (np.concatenate([[0], *columns]) for columns in zip(*halves, strict=True))
+    return first, count
 
 
 def _boxes(surfels: Surfels, first: np.ndarray, count: np.ndarray, size: np.ndarray) -> dict[str, np.ndarray]:

@@ -121,7 +121,7 @@ class ThreeRayDrawing(FindingDrawing):
         return tuple(mesh for body in self._bodies for mesh in body.meshes)
 
     def deformed(self, geometry: Geometry) -> None:
-        """Fit the boxes of the tree anew."""
+        """Fit the boxes of the tree to what has moved."""
         corners = self._corners()
         self._tree, self._triangles = self._tree.moved(corners), triangles_of(corners, geometry.face_object)
         if "_tracer" in self.__dict__:

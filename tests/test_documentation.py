@@ -185,6 +185,13 @@ def test_a_diagrams_view_volume_is_that_of_the_projection(figures):
     assert (far[:, 2] < near[:, 2]).all(), "the camera looks along -z"
 
 
+def test_the_lens_of_the_figure_of_dispersion_takes_the_place_of_its_scenes_lens(figures):
+    scene, words = importlib.import_module("figures.refraction").chromatic()
+    names = [mesh.name for mesh in scene.meshes]
+    assert len(set(names)) == len(names) and sum(name.startswith("lens/") for name in names) == 4
+    assert "1.600, 1.606, 1.620" in words
+
+
 def test_the_script_knows_every_figure_of_the_page(figures):
     assert sorted(runpy.run_path(str(ROOT / "docs" / "make_pvrr.py"))["FIGURES"]) == list(range(3, 17))
 

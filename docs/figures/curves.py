@@ -92,7 +92,9 @@ def single(label: str) -> Single:
     scene = triangle_scene(f"({label})", shown.corners, np.eye(3))
     size = (THIRD[0] * FINE, THIRD[1] * FINE)
     found = Single(shown, scene, TRIANGLE * size[0], size)
-    y, x = np.nonzero(found.draw("raytrace").object_id)
+    items = found.draw("raytrace").object_id
+    assert items is not None
+    y, x = np.nonzero(items)
     ahead = np.concatenate([found.at(shape.u, shape.v)[shape.t > 0.0] for shape in shown.shapes()]) * FINE
     seen = np.concatenate([np.column_stack([x, y]), ahead[inside(found, ahead)]])
     low, high = seen.min(axis=0), seen.max(axis=0)
@@ -106,7 +108,7 @@ def inside(shown: Single, places: np.ndarray) -> np.ndarray:
     """Which places of the drawn image are in the ray triangle, (N,) bool."""
     rows = np.column_stack([shown.places, np.ones(3)])
     weights = np.column_stack([places, np.ones(len(places))]) @ np.linalg.inv(rows)
-    return (weights >= 0.0).all(axis=1)
+    return np.all(weights >= 0.0, axis=1)
 
 
 def circled(image: np.ndarray, shown: Single) -> np.ndarray:

@@ -83,10 +83,10 @@ def subdivision() -> list[list[Panel]]:
 def continuity_of_two() -> list[list[Panel]]:
     """Figure 7: a mirror of two patches, their maps, and by how much these differ along the border."""
     scene = gallery.make("car-mirror")
-    options = Options(field=30.0)
+    options = Options(field=32.0)
     found = warps(scene, LARGE, options)
     errors = continuity(View(scene, scene.camera, LARGE), options)
-    image = draw(scene, f"{WARP},field=30", LARGE)
+    image = draw(scene, f"{WARP},field={options.field:g}", LARGE)
     dots = image.copy()
     rows, columns = np.ogrid[: dots.shape[0], : dots.shape[1]]
     for (x, y), pixels in zip(errors.places, errors.pixels, strict=True):

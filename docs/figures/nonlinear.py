@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
 
 from figures.comparing import Compared, Drawn, compared, in_words, pixels, table_row
@@ -59,7 +60,7 @@ def mapping() -> Drawn:
     return [pair(found, "(a): a ray for every pixel", HALF)], [table_row("6.9", len(rays.faces), found)]
 
 
-def series(figure: str, original: an.Frame, drawn: dict[int, tuple[an.Scene, RayMesh | None]]) -> Drawn:
+def series(figure: str, original: an.Frame, drawn: Mapping[int, tuple[an.Scene, RayMesh | None]]) -> Drawn:
     """Figures 7.4 and 7.6: (a) the reference, then (b) to (f) by ray meshes of 1 x 1 to 5 x 5 quads."""
     panels = [Panel(shrunk(pixels(original), THIRD), "(a): rays bent at every pixel")]
     table = []
@@ -75,7 +76,7 @@ def series(figure: str, original: an.Frame, drawn: dict[int, tuple[an.Scene, Ray
 def on_a_sphere() -> Drawn:
     """Figure 7.4: reflected by a part of a ball."""
     original = an.render(cube_in_sphere(), method="raytrace:bounces=1", size=SQUARE, seen=True)
-    return series("7.4", original, {quads: (cube_in_sphere(quads), None) for quads in range(1, 6)})
+    return series("7.4", original, {quads: (cube_in_sphere(quads, exact=False), None) for quads in range(1, 6)})
 
 
 def wavy() -> Drawn:

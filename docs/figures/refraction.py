@@ -67,8 +67,9 @@ def chromatic() -> tuple[an.Scene, str]:
     abbe = (index - 1.0) / (blue - red)
     scene = gallery.make("spectacles-plus")
     lens = worn_lens(replace(PLUS, index=index, abbe=abbe), EYE, GAZE)
-    rest = tuple(mesh for mesh in scene.meshes if not mesh.specular and mesh.name not in ("rim", "lens/edge"))
-    mount = rim(lens, GAZE, 0.0012).mesh("rim", next(mesh for mesh in scene.meshes if mesh.name == "rim").material)
+    rest = tuple(mesh for mesh in scene.meshes if not mesh.specular and mesh.name not in ("lens/rim", "lens/edge"))
+    material = next(mesh.material for mesh in scene.meshes if mesh.name == "lens/rim")
+    mount = rim(lens, GAZE, 0.0012).mesh("lens/rim", material)
     indices = line_indices(index, abbe)
     words = "per-vertex; n = " + ", ".join(f"{n:.3f}" for n in indices) + f" (Abbe number {abbe:.1f})"
     return replace(scene, meshes=(*lens.meshes, mount, *rest)), words

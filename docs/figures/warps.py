@@ -74,10 +74,10 @@ def warps(scene: an.Scene, size: tuple[int, int], options: Options | None = None
     atlas.draw(encoder, stage.buffers, MapKind.COLOR)
     submit(encoder)
     texels = to_pixels(read_texture(atlas.color)[..., :3].astype(np.float32))
-    rectangles = iter(projection[-4:].astype(int) for projection in atlas.projections)
+    rectangles = iter(projection[-4:].astype(int) for projection in atlas.rectangles.projections)
     found = []
     for seen in image.seen:
-        name = scene.meshes[seen.body.meshes[0]].name
+        name = scene.meshes[seen.body_rays.body.meshes[0]].name
         for faces, plan in zip(seen.patches, seen.plans, strict=True):
             (width, height, x, y), *_ = [next(rectangles) for _ in plan.projections]
             found.append(Warp(name, seen.body_rays, faces, plan, texels[y : y + height, x : x + width]))

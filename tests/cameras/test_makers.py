@@ -400,6 +400,8 @@ def test_the_part_of_the_ball_fills_a_square_image_with_vertices_on_the_ball(qua
     scene = check_scene(cube_in_sphere(quads))
     mirror = scene.meshes[0]
     assert len(mirror.faces) == 2 * quads**2 and isinstance(mirror.surface, Sphere)
+    plain = check_scene(cube_in_sphere(quads, exact=False)).meshes[0]
+    assert plain.surface is None and (plain.normals == mirror.normals).all()
     assert np.linalg.norm(mirror.positions - BALL.center, axis=1) == pytest.approx(1.0, abs=1e-6)
     assert (seen(cameras.pinhole(scene.camera, (81, 81)), scene, (81, 81)) == 1).all()
     offset = np.asarray(scene.camera.position) - mirror.positions

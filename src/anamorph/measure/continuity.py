@@ -19,6 +19,7 @@ from anamorph.measure.errors import Statistics, statistics
 from anamorph.methods import pervertex
 from anamorph.methods.pervertex import MapPlan, Options, Seen, Surroundings
 from anamorph.optics.ray_meshes import bodies_of
+from anamorph.optics.tessellation import outlined_scene
 from anamorph.scene.geometry import flatten
 
 ALONG = (np.arange(8) + 0.5) / 8.0
@@ -71,8 +72,9 @@ class BorderErrors:
 
 def continuity(view: View, options: Options | None = None, along: np.ndarray = ALONG) -> BorderErrors:
     """Plan a frame of `view` with the `options` of `pervertex`, and measure it along its borders."""
-    geometry = flatten(view.scene)
-    bodies = bodies_of(view.scene, geometry)
+    scene = outlined_scene(view.scene, view.pinhole_camera, view.size)
+    geometry = flatten(scene)
+    bodies = bodies_of(scene, geometry)
     surroundings = pervertex.surroundings_of(geometry, bodies)
     seen = pervertex.seen_bodies(bodies, surroundings, view.pinhole_camera, view.size, options or Options())
     return border_errors(seen, surroundings, view.size, along)

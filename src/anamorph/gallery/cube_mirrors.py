@@ -36,7 +36,7 @@ SEED = 7
 def cube_in_sphere(quads: int = QUADS, exact: bool = True) -> Scene:
     """The built-in scene `cube-in-sphere`; Figures 7.4 (b) to (f) are those of 1 x 1 to 5 x 5 `quads`.
 
-    They are not `exact`: the thesis knows the sphere by the normals at the vertices alone, and no border is made rounder.
+    Those are not `exact`: the thesis knows the sphere by the normals at the vertices alone. No border is made rounder.
     """
     camera = BALL_CAMERA
     directions = _sight(camera, quads)

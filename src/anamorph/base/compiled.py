@@ -42,8 +42,10 @@ def _compiled(function: Callable[..., Any], **more: bool) -> Callable[..., Any]:
     options = {"nogil": True, "error_model": "numpy", "_nrt": False, **more}
     try:
         dispatcher: Any = numba.njit(function, cache=True, **options)
-        # Numba looks at the function's own file only, and would keep machine code that has old callees built in.
-        dispatcher._cache._cache_file._source_stamp = _stamp()
+        # Numba looks at the function's own file only, and would keep machine code that has old callees built in. The
+        # version is compared before the rest is read, which may name types that are no longer where they were.
+        kept = dispatcher._cache._cache_file
+        kept._version, kept._source_stamp = f"{numba.__version__} {_stamp()}", None
     except (RuntimeError, AttributeError):
         return numba.njit(function, **options)
     return dispatcher

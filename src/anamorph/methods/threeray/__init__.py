@@ -11,6 +11,9 @@ Source: Mei, Popescu and Sacks, "A hybrid backward-forward method for interactiv
 | in place of 5.2 | what a camera may see, bounded linearly | `bounds` |
 | | each sample's own ray | `sample_rays` |
 | in place of 6 | what each sample's ray meets | `meeting` |
+| | cameras of many samples look for it | `surfels_seen` |
+| | samples of small cameras go through the tree themselves | `packets` |
+| | the triangles that rays meet | `scene_triangles` |
 | | what objects do to light and to rays that leave them | `objects` |
 | | where paths end, for the visibility buffer; which of them go on | `camera_records` |
 | | what stands before a mirror hides it | `hiding`: `hidden.wgsl` |

@@ -16,9 +16,9 @@ from anamorph.frame import Status
 from anamorph.gpu.visibility import Rectangle
 from anamorph.methods.threeray.camera_frames import vector
 from anamorph.methods.threeray.cameras_seen import Cameras, Places
-from anamorph.methods.threeray.meeting import Triangles
 from anamorph.methods.threeray.objects import Materials
 from anamorph.methods.threeray.sample_rays import Samples
+from anamorph.methods.threeray.scene_triangles import Triangles
 from anamorph.methods.tracing.bounces import GLASS, MIRROR, WORDS, schlick
 from anamorph.methods.tracing.packing import BLANK
 

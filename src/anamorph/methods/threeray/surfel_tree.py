@@ -10,6 +10,7 @@ bounds the depth whatever the points are, and objects that move keep their trees
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 
@@ -23,6 +24,19 @@ LEAF = 8
 
 PAD, ROUNDING = 1e-9, 1e-12
 """What boxes are widened by: as shares of their sides, and of their coordinates."""
+
+
+class Nodes(NamedTuple):
+    """A `SurfelTree` as compiled loops read it."""
+
+    first: np.ndarray
+    held: np.ndarray
+    size: np.ndarray
+    middle: np.ndarray
+    half: np.ndarray
+    center: np.ndarray
+    covariance: np.ndarray
+    triangle: np.ndarray
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,6 +61,15 @@ class SurfelTree:
     size: np.ndarray
     middle: np.ndarray
     half: np.ndarray
+
+    @property
+    def nodes(self) -> Nodes:
+        """As compiled loops read it."""
+        surfels = self.surfels
+        return Nodes(
+            self.first, self.count, self.size, self.middle, self.half,
+            surfels.center, surfels.covariance, surfels.triangle,
+        )  # fmt: skip
 
     def moved(self, corners: np.ndarray) -> SurfelTree:
         """The tree with its triangles where `corners` (F, 3, 3) says."""

@@ -15,7 +15,6 @@ from typing import Any
 import numpy as np
 import wgpu
 
-from anamorph.base.compiled import cores, steps_over_all_cores
 from anamorph.frame import View
 from anamorph.gpu.targets import Target
 from anamorph.gpu.visibility import Rectangle
@@ -24,13 +23,13 @@ from anamorph.methods.options import check_options, option
 from anamorph.methods.protocol import Method
 from anamorph.methods.session import Session
 from anamorph.methods.stage import Stage
-from anamorph.methods.threeray.camera_frames import frames_of
 from anamorph.methods.threeray.camera_records import records_of
 from anamorph.methods.threeray.cameras_seen import Cameras, Places, body_cameras, mesh_cameras, owners_of, places_of
 from anamorph.methods.threeray.hiding import Hiding
-from anamorph.methods.threeray.meeting import FEW, GRAIN, TILE, WORK, Nodes, Packet, follow, look, triangles_of
+from anamorph.methods.threeray.meeting import meet
 from anamorph.methods.threeray.objects import materials_of
-from anamorph.methods.threeray.sample_rays import Samples, interpolate
+from anamorph.methods.threeray.sample_rays import Samples
+from anamorph.methods.threeray.scene_triangles import triangles_of
 from anamorph.methods.threeray.surfel_tree import make_tree
 from anamorph.methods.threeray.surfels import Limit, evenly, magnified, sample
 from anamorph.methods.tracing.launch import EyeRays, FirstRays, GivenRays
@@ -194,39 +193,8 @@ class ThreeRayDrawing(FindingDrawing):
         """What the samples of the chosen cameras meet: records and which of them go on, as `records_of` has them."""
         shown = np.zeros(len(places.box), bool)
         shown[chosen] = True
-        tree, samples, materials = self._tree, self._samples, self._materials
-        interpolate(cameras, places, samples, rectangle)
-        nodes = Nodes(
-            tree.first, tree.count, tree.size, tree.middle, tree.half,
-            tree.surfels.center, tree.surfels.covariance, tree.surfels.triangle,
-        )  # fmt: skip
-        x0, y0, x1, y1 = rectangle
-        own = samples.owner[y0:y1, x0:x1]
-        count = np.bincount(own[own >= 0], minlength=len(shown))
-        alone = shown & (count <= FEW)
-        looking = np.flatnonzero(shown & (count > FEW))
-        looks = np.zeros((len(looking), len(WORK)), np.int64)
-        if len(looking):
-            frames = frames_of(cameras.origins, cameras.directions)
-
-            def work(start: int, stop: int) -> None:
-                look(
-                    cameras, frames, places, nodes, self._triangles, materials, samples, looking, looks,
-                    np.empty(x1 - x0), start, stop,
-                )  # fmt: skip
-
-            yield from steps_over_all_cores(work, len(looking), max(1, min(GRAIN, len(looking) // (8 * cores()))))
-        tiles = -(-(x1 - x0) // TILE) * -(-(y1 - y0) // TILE)
-        follows = np.zeros((tiles, len(WORK)), np.int64)
-
-        def through(start: int, stop: int) -> None:
-            packet = Packet.reserved()
-            follow(cameras, nodes, self._triangles, materials, samples, alone, rectangle, packet, follows, start, stop)
-
-        if alone.any():
-            yield from steps_over_all_cores(through, tiles, 64)
-        spent = looks.sum(axis=0) + follows.sum(axis=0)
-        self._work = {"cameras": len(chosen), "looking": len(looking), **dict(zip(WORK, spent.tolist(), strict=True))}
+        samples, materials = self._samples, self._materials
+        self._work = yield from meet(cameras, places, self._tree, self._triangles, materials, samples, shown, rectangle)
         eye = np.asarray(camera.position) if isinstance(camera, Camera) else None
         return records_of(
             cameras, places, self._triangles, materials, samples, rectangle, eye, self._options.bounces, shown

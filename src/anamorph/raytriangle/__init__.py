@@ -15,6 +15,8 @@ The thesis's parametric triangle at t is the one between the points p + t n.
 | 3.6 | the same on the graphics device, not imported here | `on_device`: `project_points_on_device` |
 | 3.7 | which points no ray meets | `sides`: `side_surfaces` |
 | 3.7 | which boxes no ray meets | `boxes`: `bounding_planes` |
+| | which samples of an image each ray triangle owns | `owners` |
+| | which boxes and surfels it may see, bounded linearly | `camera_frames`, `bounds`: `seen_weights` |
 | | which points are seen once (Mei, Popescu and Sacks 2007, section 5.1) | `sweeping`: `seen_once`, `switches` |
 """
 

@@ -7,9 +7,9 @@ import pytest
 
 from anamorph.base.errors import AnamorphError
 from anamorph.methods.threeray import surfels as module
-from anamorph.methods.threeray.bounds import PAD, support
 from anamorph.methods.threeray.surfel_tree import LEAF, make_tree
 from anamorph.methods.threeray.surfels import evenly, magnified, sample
+from anamorph.raytriangle.bounds import PAD, support
 
 
 def triangles(seed: int, count: int = 60) -> np.ndarray:

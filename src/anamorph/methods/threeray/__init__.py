@@ -6,9 +6,7 @@ Source: Mei, Popescu and Sacks, "A hybrid backward-forward method for interactiv
 | --- | --- | --- |
 | 3.1 | the reflected geometry as surfels | `surfels` |
 | 4 | the tree over them | `surfel_tree`, `halving` |
-| 5 | the cameras of an image, and which samples each owns | `cameras_seen` |
-| 5 | what of a camera does not depend on what it looks at | `camera_frames` |
-| in place of 5.2 | what a camera may see, bounded linearly | `bounds` |
+| 5 | the cameras of an image | `cameras_seen` |
 | | each sample's own ray | `sample_rays` |
 | in place of 6 | what each sample's ray meets | `meeting` |
 | | cameras of many samples look for it | `surfels_seen` |
@@ -19,7 +17,8 @@ Source: Mei, Popescu and Sacks, "A hybrid backward-forward method for interactiv
 | | what stands before a mirror hides it | `hiding`: `hidden.wgsl` |
 | | the frame | `threeray` |
 
-Which points a camera may see twice (5.1) is in `anamorph.raytriangle`: `seen_once`.
+Which samples each camera owns, what it may see, bounded linearly (in place of 5.2), and which points it may see twice
+(5.1) is in `anamorph.raytriangle`: `owners`, `bounds` and `seen_once`.
 """
 
 from anamorph.methods.threeray.threeray import METHOD as METHOD

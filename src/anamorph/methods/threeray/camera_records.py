@@ -14,13 +14,14 @@ from anamorph.base.compiled import compiled, over_all_cores
 from anamorph.base.vectors import Vector, along, dot
 from anamorph.frame import Status
 from anamorph.gpu.visibility import Rectangle
-from anamorph.methods.threeray.camera_frames import vector
-from anamorph.methods.threeray.cameras_seen import Cameras, Places
+from anamorph.methods.threeray.cameras_seen import Cameras
 from anamorph.methods.threeray.objects import Materials
 from anamorph.methods.threeray.sample_rays import Samples
 from anamorph.methods.threeray.scene_triangles import Triangles
 from anamorph.methods.tracing.bounces import GLASS, MIRROR, WORDS, schlick
 from anamorph.methods.tracing.packing import BLANK
+from anamorph.raytriangle.camera_frames import vector
+from anamorph.raytriangle.owners import Places
 
 ROWS = 16
 """Rows of samples that a core takes at a time."""

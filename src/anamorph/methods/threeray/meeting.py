@@ -12,14 +12,15 @@ import numpy as np
 
 from anamorph.base.compiled import cores, steps_over_all_cores
 from anamorph.gpu.visibility import Rectangle
-from anamorph.methods.threeray.camera_frames import frames_of
-from anamorph.methods.threeray.cameras_seen import Cameras, Places
+from anamorph.methods.threeray.cameras_seen import Cameras
 from anamorph.methods.threeray.objects import Materials
 from anamorph.methods.threeray.packets import TILE, Packet, follow
 from anamorph.methods.threeray.sample_rays import Samples, interpolate
 from anamorph.methods.threeray.scene_triangles import Triangles
 from anamorph.methods.threeray.surfel_tree import SurfelTree
 from anamorph.methods.threeray.surfels_seen import look
+from anamorph.raytriangle.camera_frames import frames_of
+from anamorph.raytriangle.owners import Places
 
 FEW = 160
 """With so many samples or fewer it does not pay for a camera to look: they go through the tree with others."""

@@ -8,7 +8,8 @@ import numpy as np
 
 from anamorph.base.compiled import compiled, over_all_cores
 from anamorph.gpu.visibility import Rectangle
-from anamorph.methods.threeray.cameras_seen import Cameras, Places
+from anamorph.methods.threeray.cameras_seen import Cameras
+from anamorph.raytriangle.owners import Places
 
 ROWS = 16
 """Rows of samples that a core takes at a time."""

@@ -12,10 +12,10 @@ import numpy as np
 
 from anamorph.base.compiled import inlined
 from anamorph.base.vectors import Vector, dot
-from anamorph.methods.threeray.camera_frames import vector
 from anamorph.methods.threeray.cameras_seen import Cameras
 from anamorph.methods.threeray.objects import Materials
 from anamorph.rays.caster import ROUNDING
+from anamorph.raytriangle.camera_frames import vector
 
 BORDER = 6e-8
 """How far beyond a triangle's border a ray still meets it, as a share of the triangle: half a float32's last place."""

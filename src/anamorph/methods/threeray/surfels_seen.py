@@ -13,13 +13,14 @@ import numpy as np
 
 from anamorph.base.compiled import compiled, inlined
 from anamorph.base.vectors import Vector
-from anamorph.methods.threeray.bounds import Range, seen_weights
-from anamorph.methods.threeray.camera_frames import Frames, vector
-from anamorph.methods.threeray.cameras_seen import Cameras, Places
+from anamorph.methods.threeray.cameras_seen import Cameras
 from anamorph.methods.threeray.objects import Materials
 from anamorph.methods.threeray.sample_rays import Samples
 from anamorph.methods.threeray.scene_triangles import Triangles, meets, stops
 from anamorph.methods.threeray.surfel_tree import Nodes
+from anamorph.raytriangle.bounds import Range, seen_weights
+from anamorph.raytriangle.camera_frames import Frames, vector
+from anamorph.raytriangle.owners import Places
 
 MARGIN = 1e-6
 """Samples, and weights, by which the polygon of a surfel is widened."""

@@ -24,7 +24,7 @@ from anamorph.methods.protocol import Method
 from anamorph.methods.session import Session
 from anamorph.methods.stage import Stage
 from anamorph.methods.threeray.camera_records import records_of
-from anamorph.methods.threeray.cameras_seen import Cameras, Places, body_cameras, mesh_cameras, owners_of, places_of
+from anamorph.methods.threeray.cameras_seen import Cameras, body_cameras, mesh_cameras
 from anamorph.methods.threeray.hiding import Hiding
 from anamorph.methods.threeray.meeting import meet
 from anamorph.methods.threeray.objects import materials_of
@@ -39,6 +39,7 @@ from anamorph.optics.ray_meshes import Line, bodies_of
 from anamorph.projection import camera_projection
 from anamorph.raymesh import RayMesh
 from anamorph.rays.caster import Caster
+from anamorph.raytriangle.owners import Places, owners_of, places_of
 from anamorph.scene.camera import Camera
 from anamorph.scene.geometry import Geometry
 

@@ -17,7 +17,7 @@ import numpy as np
 
 from anamorph.base.compiled import compiled, inlined, over_all_cores
 from anamorph.base.vectors import Vector, along, dot
-from anamorph.methods.threeray.camera_frames import SINGULAR, Frames, vector
+from anamorph.raytriangle.camera_frames import SINGULAR, Frames, vector
 
 GRAIN = 1024
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from anamorph.methods.threeray.bounds import boxes_seen, seen_weights
-from anamorph.methods.threeray.camera_frames import frames_of
+from anamorph.raytriangle.bounds import boxes_seen, seen_weights
+from anamorph.raytriangle.camera_frames import frames_of
 
 COUNT = 10_000
 

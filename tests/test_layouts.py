@@ -14,6 +14,7 @@ from anamorph.frame import Status
 from anamorph.gpu.buffers import MOST_LIGHTS, OBJECT, VERTEX
 from anamorph.methods.pervertex import finding, level, looking, silhouettes, surface_maps
 from anamorph.methods.pervertex.overlay import BALL_VERTICES
+from anamorph.methods.threeray import splat_records
 from anamorph.methods.tracing.bounces import DIFFUSE, MIRROR
 from anamorph.methods.tracing.launch import GivenRays
 from anamorph.methods.tracing.packing import packed
@@ -44,6 +45,10 @@ RECORDS = [
     ("raytriangle", "RayTriangle", on_device.RAY_TRIANGLE, {"vectors": "center", "padding": None}),
     ("raytriangle", "Projections", on_device.FOUND, {}),
     ("methods/pervertex", "LookingTriangle", looking.LOOKING, {}),
+    ("methods/threeray", "ThreeRayCamera", splat_records.CAMERA, {"padding": None}),
+    ("methods/threeray", "ScenePoint", splat_records.POINT, {}),
+    ("methods/threeray", "Projected", splat_records.PROJECTED, {}),
+    ("methods/threeray", "Owner", splat_records.OWNER, {}),
     ("methods/trilinear", "RayTriangle", ray_records.RAY_TRIANGLE, {}),
     ("methods/trilinear", "Lens", ray_records.LENS, {"padding": None}),
     ("methods/trilinear", "Pair", ray_records.PAIR, {"terms": "first", "center": "center_x"}),

@@ -17,7 +17,7 @@ The thesis's parametric triangle at t is the one between the points p + t n.
 | 3.7 | which boxes no ray meets | `boxes`: `bounding_planes` |
 | | which samples of an image each ray triangle owns | `owners` |
 | | which boxes and surfels it may see, bounded linearly | `camera_frames`, `bounds`: `seen_weights` |
-| | which points are seen once (Mei, Popescu and Sacks 2007, section 5.1) | `sweeping`: `seen_once`, `switches` |
+| | which points are seen once (Mei, Popescu and Sacks 2007, section 5.1) | `sweeping`: `seen_once`, `sees_once` |
 """
 
 from anamorph.raytriangle.boxes import BoundingPlanes as BoundingPlanes
@@ -27,4 +27,5 @@ from anamorph.raytriangle.points import project_points as project_points
 from anamorph.raytriangle.sides import SideSurfaces as SideSurfaces
 from anamorph.raytriangle.sides import side_surfaces as side_surfaces
 from anamorph.raytriangle.sweeping import seen_once as seen_once
+from anamorph.raytriangle.sweeping import sees_once as sees_once
 from anamorph.raytriangle.sweeping import switches as switches

@@ -79,10 +79,10 @@ def project_points_on_device(origins: np.ndarray, directions: np.ndarray, points
         raise AnamorphError(f"ray triangle: origins must be (3, 3) or (K, 3, 3), not {(*rays.center.shape, 3)}")
     shape = (*rays.center.shape[:-1], len(points))
     middle = rays.center.reshape(-1, 3).mean(axis=0) if rays.center.size else np.zeros(3)
-    triangles, around = _packed_rays(rays, middle), points - middle
+    triangles, around = packed_rays(rays, middle), points - middle
     if len(around) and np.abs(around).max() > LARGEST:
         raise AnamorphError(f"points: too far from the ray triangles for float32; keep them within {LARGEST:g} m")
-    found = _found(triangles, _packed(around))
+    found = _found(triangles, two_floats(around))
     flags = found["flags"][..., None] >> np.arange(6, dtype=np.uint32) & 1 != 0
     t = found["t"] * np.reshape(rays.pace, (-1, 1, 1))
     return Projections(
@@ -93,7 +93,7 @@ def project_points_on_device(origins: np.ndarray, directions: np.ndarray, points
     )
 
 
-def _packed(values: np.ndarray) -> np.ndarray:
+def two_floats(values: np.ndarray) -> np.ndarray:
     """Numbers (..., 3) as sums of two floats, `Two` of two_floats.wgsl: (..., 2, 4)."""
     packed = np.zeros((*values.shape[:-1], 2, 4), np.float32)
     packed[..., 0, :3] = values
@@ -101,7 +101,7 @@ def _packed(values: np.ndarray) -> np.ndarray:
     return packed
 
 
-def _packed_rays(rays: ScaledRays, middle: np.ndarray) -> np.ndarray:
+def packed_rays(rays: ScaledRays, middle: np.ndarray) -> np.ndarray:
     """The rays, whose points come as differences from `middle`: (K,) of `RAY_TRIANGLE`."""
     size, shift = np.ravel(rays.size), np.ravel(rays.shift)
     center = (rays.center - middle) + rays.remainder
@@ -109,7 +109,7 @@ def _packed_rays(rays: ScaledRays, middle: np.ndarray) -> np.ndarray:
         raise AnamorphError(f"ray triangle: keep sizes and distances from {SMALLEST:g} to {LARGEST:g} m, for float32")
     packed = np.zeros(len(size), RAY_TRIANGLE)
     vectors = (center[..., None, :], rays.origins, rays.directions, rays.mean[..., None, :], rays.planes)
-    packed["vectors"] = _packed(np.concatenate(vectors, axis=-2).reshape(-1, 9, 3))
+    packed["vectors"] = two_floats(np.concatenate(vectors, axis=-2).reshape(-1, 9, 3))
     for column, values in ((0, 1.0 / size), (2, shift)):
         packed["size_and_shift"][:, column] = values
         packed["size_and_shift"][:, column + 1] = values - packed["size_and_shift"][:, column]

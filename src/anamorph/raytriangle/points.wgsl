@@ -140,14 +140,10 @@ fn near_roots(triangle: u32, point: Two, middle: f32, unit: ptr<function, f32>) 
     return cubic_roots(cubic / greatest, clamp(1e18 / wide, 1.0, 1e8));
 }
 
-@compute @workgroup_size(64)
-fn project(@builtin(global_invocation_id) id: vec3u) {
-    if id.x >= block.points * block.triangles {
-        return;
-    }
-    let triangle = id.x / block.points;
+// All the roots of a point, which is given in world units: in ascending order, the real ones first.
+fn roots_of(triangle: u32, world: Two) -> array<Root, 3> {
     let size_and_shift = triangles[triangle].size_and_shift;
-    let around = minus(points[id.x % block.points], triangles[triangle].center);
+    let around = minus(world, triangles[triangle].center);
     let point = times(around, Two(size_and_shift.xxx, size_and_shift.yyy));
     var roots = array<Root, 3>(Root(), Root(), Root());
     if triangles[triangle].flat == 0.0 && longest(point.hi) <= FARTHEST {
@@ -173,7 +169,6 @@ fn project(@builtin(global_invocation_id) id: vec3u) {
             }
         }
     }
-    // In ascending order, the real ones first.
     for (var k = 0; k < 3; k++) {
         let first = select(0, 1, k == 1);
         let second = first + 1;
@@ -184,6 +179,15 @@ fn project(@builtin(global_invocation_id) id: vec3u) {
             roots[second] = kept;
         }
     }
+    return roots;
+}
+
+@compute @workgroup_size(64)
+fn project(@builtin(global_invocation_id) id: vec3u) {
+    if id.x >= block.points * block.triangles {
+        return;
+    }
+    let roots = roots_of(id.x / block.points, points[id.x % block.points]);
     var result = Projections();
     for (var k = 0; k < 3; k++) {
         result.t[k] = roots[k].t;

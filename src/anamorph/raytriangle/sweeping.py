@@ -40,15 +40,61 @@ def seen_once(origins: np.ndarray, directions: np.ndarray, t: np.ndarray) -> np.
         If a number is not finite, or all directions of a ray triangle are 0.
     """
     origins, directions = checked(origins, directions)
-    t = np.asarray(t, float)[..., None, None]
+    rises, noise = _rises(origins, directions, np.asarray(t, float))
+    return np.all(rises > noise, axis=-1) | np.all(rises < -noise, axis=-1)
+
+
+def sees_once(origins: np.ndarray, directions: np.ndarray, near: np.ndarray, far: np.ndarray) -> np.ndarray:
+    """Whether ray triangles see no point from t = near to t = far more than once.
+
+    Parameters
+    ----------
+    origins, directions : (..., 3, 3) array
+    near, far : (...) array
+        In lengths of the interpolated direction.
+
+    Returns
+    -------
+    (...) bool
+        True only where that is so; False says nothing.
+
+    Raises
+    ------
+    AnamorphError
+        If a number is not finite, or all directions of a ray triangle are 0.
+    """
+    origins, directions = checked(origins, directions)
+    ends = np.stack([np.asarray(near, float), np.asarray(far, float)], axis=-1)
+    _, b, a = _quadratics(origins, directions)
+    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+        turns = -0.5 * b / a
+    # Each product is least and greatest at the ends, or where it turns.
+    turns = np.clip(np.where(np.isfinite(turns), turns, ends[..., :1]), ends[..., :1], ends[..., 1:])
+    t = np.concatenate([ends, turns], axis=-1)
+    rises, noise = _rises(origins[..., None, :, :], directions[..., None, :, :], t)
+    return np.all(rises > noise, axis=(-2, -1)) | np.all(rises < -noise, axis=(-2, -1))
+
+
+def _rises(origins: np.ndarray, directions: np.ndarray, t: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """d_k . N(t) of each ray, (..., 3), and below which size it has no sign."""
+    t = t[..., None, None]
     corners = origins + t * directions
     one, other = corners[..., 1, :] - corners[..., 0, :], corners[..., 2, :] - corners[..., 0, :]
     rises = np.einsum("...ki,...i->...k", directions, np.cross(one, other))
     # What rounding takes from the corners counts as much as what it takes from the products.
     size = np.abs(origins).max(axis=(-2, -1)) + np.abs(t[..., 0, 0]) * np.abs(directions).max(axis=(-2, -1))
     lengths = np.linalg.norm(one, axis=-1) + np.linalg.norm(other, axis=-1)
-    noise = NOISE * np.linalg.norm(directions, axis=-1) * (lengths * (lengths + size))[..., None]
-    return (rises > noise).all(axis=-1) | (rises < -noise).all(axis=-1)
+    return rises, NOISE * np.linalg.norm(directions, axis=-1) * (lengths * (lengths + size))[..., None]
+
+
+def _quadratics(origins: np.ndarray, directions: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """c, b and a (..., 3) of d_k . N(t) = c + b t + a t^2."""
+    e, f = (each[..., 1:, :] - each[..., :1, :] for each in (origins, directions))
+    at_0 = np.cross(e[..., 0, :], e[..., 1, :])
+    more = np.cross(e[..., 0, :], f[..., 1, :]) + np.cross(f[..., 0, :], e[..., 1, :])
+    most = np.cross(f[..., 0, :], f[..., 1, :])
+    c, b, a = (np.einsum("...ki,...i->...k", directions, each) for each in (at_0, more, most))
+    return c, b, a
 
 
 def switches(origins: np.ndarray, directions: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -70,12 +116,7 @@ def switches(origins: np.ndarray, directions: np.ndarray) -> tuple[np.ndarray, n
     AnamorphError
         If a number is not finite, or all directions of a ray triangle are 0.
     """
-    origins, directions = checked(origins, directions)
-    e, f = (each[..., 1:, :] - each[..., :1, :] for each in (origins, directions))
-    at_0 = np.cross(e[..., 0, :], e[..., 1, :])
-    more = np.cross(e[..., 0, :], f[..., 1, :]) + np.cross(f[..., 0, :], e[..., 1, :])
-    most = np.cross(f[..., 0, :], f[..., 1, :])
-    c, b, a = (np.einsum("...ki,...i->...k", directions, each) for each in (at_0, more, most))
+    c, b, a = _quadratics(*checked(origins, directions))
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         half = -0.5 * (b + np.copysign(np.sqrt(b * b - 4.0 * a * c), b))
         # One root by the sum that cancels nothing, the other by the product of both.

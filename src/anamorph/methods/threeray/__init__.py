@@ -12,13 +12,16 @@ Source: Mei, Popescu and Sacks, "A hybrid backward-forward method for interactiv
 | | cameras of many samples look for it | `surfels_seen` |
 | | samples of small cameras go through the tree themselves | `packets` |
 | | the triangles that rays meet | `scene_triangles` |
+| 5.2 | with `splat`, pairs of a camera and a point that it may see | `points_seen` |
+| 5.1, 6 | these projected and drawn as squares on the device | `squares`: `projected.wgsl`, `squares.wgsl` |
+| | what the device is given for that | `splat_records`: `three_ray_camera.wgsl` |
 | | what objects do to light and to rays that leave them | `objects` |
 | | where paths end, for the visibility buffer; which of them go on | `camera_records` |
 | | what stands before a mirror hides it | `hiding`: `hidden.wgsl` |
 | | the frame | `threeray` |
 
 Which samples each camera owns, what it may see, bounded linearly (in place of 5.2), and which points it may see twice
-(5.1) is in `anamorph.raytriangle`: `owners`, `bounds` and `seen_once`.
+(5.1) is in `anamorph.raytriangle`: `owners`, `bounds`, and `seen_once` and `sees_once`.
 """
 
 from anamorph.methods.threeray.threeray import METHOD as METHOD

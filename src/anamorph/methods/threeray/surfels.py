@@ -27,6 +27,9 @@ KAPPA = 1.0
 LARGEST_SHARE = 1.3
 """No triangle has an area of more than this times the square of its corners' distance from its centre."""
 
+MEAN_SHARE = 0.6
+"""What the area of a surfel is in the mean, as such a share, where all have one radius."""
+
 Limit = Callable[[np.ndarray], np.ndarray]
 """The radius (N,) that surfels at centres (N, 3) may have."""
 
@@ -108,13 +111,18 @@ def sample(corners: np.ndarray, limit: Limit) -> Surfels:
 
 def evenly(corners: np.ndarray, spacing: float) -> Limit:
     """One radius everywhere, metres, if triangles (F, 3, 3) do not make too many surfels of it."""
-    a, b, c = np.moveaxis(corners, 1, 0)
-    area = 0.5 * float(np.linalg.norm(np.cross(b - a, c - a), axis=1).sum())
+    area = _area(corners)
     if area > LARGEST_SHARE * MOST * spacing**2:
         least = float(np.sqrt(area / (LARGEST_SHARE * MOST)))
         raise AnamorphError(
             f"threeray: spacing {spacing:g} makes more than {MOST} surfels; give at least {2.0 * least:.2g} metres"
         )
+    return lambda center: np.full(len(center), spacing)
+
+
+def about(corners: np.ndarray, count: int) -> Limit:
+    """One radius everywhere, of which triangles (F, 3, 3) make about so many surfels, or more if they are more."""
+    spacing = float(np.sqrt(_area(corners) / (MEAN_SHARE * count)))
     return lambda center: np.full(len(center), spacing)
 
 
@@ -130,6 +138,11 @@ def magnified(mirrors: np.ndarray, floor: float) -> Limit:
     """
     tree = cKDTree(mirrors)
     return lambda center: KAPPA * np.maximum(tree.query(center)[0], floor)
+
+
+def _area(corners: np.ndarray) -> float:
+    a, b, c = np.moveaxis(corners, 1, 0)
+    return 0.5 * float(np.linalg.norm(np.cross(b - a, c - a), axis=1).sum())
 
 
 def _bisected(weights: np.ndarray, places: np.ndarray) -> np.ndarray:

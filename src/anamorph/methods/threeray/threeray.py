@@ -28,10 +28,11 @@ from anamorph.methods.threeray.cameras_seen import Cameras, body_cameras, mesh_c
 from anamorph.methods.threeray.hiding import Hiding
 from anamorph.methods.threeray.meeting import meet
 from anamorph.methods.threeray.objects import materials_of
-from anamorph.methods.threeray.sample_rays import Samples
+from anamorph.methods.threeray.sample_rays import Samples, interpolate
 from anamorph.methods.threeray.scene_triangles import triangles_of
+from anamorph.methods.threeray.squares import Squares
 from anamorph.methods.threeray.surfel_tree import make_tree
-from anamorph.methods.threeray.surfels import Limit, evenly, magnified, sample
+from anamorph.methods.threeray.surfels import Limit, about, evenly, magnified, sample
 from anamorph.methods.tracing.launch import EyeRays, FirstRays, GivenRays
 from anamorph.methods.tracing.packing import packed
 from anamorph.methods.tracing.paths import PathTracer, specular_rectangle
@@ -45,6 +46,9 @@ from anamorph.scene.geometry import Geometry
 
 RED_AND_BLUE: tuple[Line, Line] = (0, 2)
 
+POINTS = 100_000
+"""Points that are drawn as squares, unless a spacing is given."""
+
 LEAST_RADIUS = 1e-3
 """Of a surfel beside the mirrors, as a share of the scene's size, where the mirrors' own triangles are not larger."""
 
@@ -56,20 +60,28 @@ class Options:
     Parameters
     ----------
     spacing : float
-        The radius of all surfels, metres; 0 takes for each what the mirrors can magnify.
+        The radius of all surfels, metres; 0 takes for each what the mirrors can magnify, and with `splat` one radius
+        that makes about 100,000 of them.
     bounces : int
         How many specular interfaces a path may meet: a mirror is one, a lens is two. From the second mirror or lens on
-        it is traced.
+        it is traced; with `splat` it ends at the second.
     antialias : int
         Samples a pixel: 1 or 4.
     dispersion : bool
-        Whether red and blue light goes its own way through glass that has an Abbe number.
+        Whether red and blue light goes its own way through glass that has an Abbe number; with `splat` it never does.
+    splat : int
+        0 has pixels' rays meet surfels. 1 and 2 project the surfels' centres and draw them as squares of as many pixels
+        a side, as the paper does: samples that get none are holes, and show the sky.
+    detail : bool
+        Whether, with `splat`, what is less than a pixel wide is one point.
     """
 
     spacing: float = option(0.0, low=0.0, unit="metres")
     bounces: int = option(8, low=1, high=255)
     antialias: int = option(1, choices=(1, 4))
     dispersion: bool = True
+    splat: int = option(0, choices=(0, 1, 2))
+    detail: bool = True
 
 
 class ThreeRayDrawing(FindingDrawing):
@@ -78,7 +90,8 @@ class ThreeRayDrawing(FindingDrawing):
     def __init__(self, stage: Stage, options: Options) -> None:
         self._bare = not stage.has_pinhole
         self._bodies = () if self._bare else bodies_of(stage.view.scene, stage.geometry)
-        self._disperses = options.dispersion and any(side.disperses for body in self._bodies for side in body.sides)
+        disperses = options.dispersion and not options.splat
+        self._disperses = disperses and any(side.disperses for body in self._bodies for side in body.sides)
         super().__init__(stage, 3 if self._disperses else 1, options.antialias)
         self._options, self._materials = options, materials_of(stage.view.scene)
         corners = self._corners()
@@ -86,6 +99,9 @@ class ThreeRayDrawing(FindingDrawing):
         self._triangles = triangles_of(corners, stage.geometry.face_object)
         self._samples = Samples.reserved(self.visibility.size)
         self._hiding = Hiding(self.visibility)
+        self._squares: Squares | None = None
+        if options.splat:
+            self._squares = Squares(stage, self.visibility, self._materials, self._tree, options.splat, options.detail)
         self._work: dict[str, float] = {}
 
     def _corners(self) -> np.ndarray:
@@ -94,6 +110,8 @@ class ThreeRayDrawing(FindingDrawing):
     def _limit(self, corners: np.ndarray) -> Limit:
         if self._options.spacing > 0.0:
             return evenly(corners, self._options.spacing)
+        if self._options.splat:
+            return about(corners, POINTS)
         camera = self.stage.view.camera
         if isinstance(camera, RayMesh):
             starts = np.asarray(camera.origins, float)[camera.faces]
@@ -124,6 +142,8 @@ class ThreeRayDrawing(FindingDrawing):
         """Fit the boxes of the tree to what has moved."""
         corners = self._corners()
         self._tree, self._triangles = self._tree.moved(corners), triangles_of(corners, geometry.face_object)
+        if self._squares is not None:
+            self._squares.moved(self._tree)
         if "_tracer" in self.__dict__:
             caster, tracer = self._tracer
             caster.moved(geometry.positions)
@@ -154,6 +174,8 @@ class ThreeRayDrawing(FindingDrawing):
             places.box[~fronts & (cameras.bounces > 1)] = 0
         owning = owners_of(places, size, fronts, self._samples.depth, self._samples.owner)
         yield from self._find(camera, cameras, places, owning, rectangle, shift)
+        if self._squares is not None:
+            encoder = yield from self._squares.draw(encoder, cameras, owning, self._samples, self.projection)
         x0, y0, x1, y1 = (end // side for end in rectangle)
         self.visibility.show((x0, y0, x1, y1), 3 if self._disperses else 1)
         return encoder
@@ -195,7 +217,12 @@ class ThreeRayDrawing(FindingDrawing):
         shown = np.zeros(len(places.box), bool)
         shown[chosen] = True
         samples, materials = self._samples, self._materials
-        self._work = yield from meet(cameras, places, self._tree, self._triangles, materials, samples, shown, rectangle)
+        if self._squares is None:
+            self._work = yield from meet(
+                cameras, places, self._tree, self._triangles, materials, samples, shown, rectangle
+            )
+        else:
+            interpolate(cameras, places, samples, rectangle)
         eye = np.asarray(camera.position) if isinstance(camera, Camera) else None
         return records_of(
             cameras, places, self._triangles, materials, samples, rectangle, eye, self._options.bounces, shown
@@ -242,8 +269,9 @@ class ThreeRayDrawing(FindingDrawing):
             self._hiding.draw(encoder, nearest, depth, (x0, y0, x1, y1), self.projection, self.stage.buffers)
 
     def figures(self) -> dict[str, float]:
-        """How many cameras the last frame had, nodes they were shown, surfels bounded, seen, and met by samples."""
-        return self._work
+        """How many cameras the last frame had, nodes they were shown, surfels bounded, seen, and met by samples; with
+        `splat`, what `Squares` tells."""
+        return self._work if self._squares is None else self._squares.figures()
 
     def diagnostics(self) -> Mapping[str, Any]:
         """The tree over the surfels."""

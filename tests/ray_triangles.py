@@ -77,6 +77,31 @@ def quadratic(square, slope, constant):
     return [np.clip(over / under, -1e4, 1e4) if under else 0.0 for over, under in ratios]
 
 
+WITHIN = 1e-3 / 800
+PLACED = 1e-4
+SMALLEST = 1e-6
+LOST = 2.0**-43
+"""Of a coordinate, by a few dozen sums and products of two floats."""
+
+
+def well_placed(p, n, result):
+    """Which roots (K, N, 3) are well placed in ray triangles (K, 3, 3), and how near two floats tell their u and v."""
+    u, v, t = (array[..., None] for array in (result.u, result.v, result.t))
+    p, n = p[:, None, None], n[:, None, None]
+    a, b, c = (p[..., k, :] + t * n[..., k, :] for k in range(3))
+    along = (1 - u - v) * n[..., 0, :] + u * n[..., 1, :] + v * n[..., 2, :]
+    longest = np.max([np.linalg.norm(side, axis=-1) for side in (b - a, c - b, a - c)], axis=0)
+    derivative = np.abs(np.sum(along * np.cross(b - a, c - a), axis=-1))
+    around = np.abs(p - p.mean(axis=-2, keepdims=True)).max(axis=(-1, -2))
+    # Two floats hold 48 bits of a difference from the middle of all.
+    full = np.abs(p - p.mean(axis=(0, 1, 2, 3))).max() + np.abs(result.t) * np.abs(n).max(axis=(-1, -2))
+    short = np.abs(result.t) * np.linalg.norm(n, axis=-1).max(axis=-1) <= 1e5 * np.maximum(around, 1e-3)
+    placed = (derivative >= PLACED * np.linalg.norm(along, axis=-1) * longest**2) & (longest >= SMALLEST * full)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        told = LOST * full * longest * np.linalg.norm(along, axis=-1) / derivative
+    return placed & short & (longest > 0.0), np.maximum(told, WITHIN)
+
+
 EXAMPLES = Path(printed.__file__).parent / "assets" / "c-configurations.csv"
 """Vallance 2005, tables C.1 and C.2: scene and view triangles of figures 4.1 to 4.7, by their printed labels."""
 

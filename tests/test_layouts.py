@@ -45,7 +45,7 @@ RECORDS = [
     ("raytriangle", "RayTriangle", on_device.RAY_TRIANGLE, {"vectors": "center", "padding": None}),
     ("raytriangle", "Projections", on_device.FOUND, {}),
     ("methods/pervertex", "LookingTriangle", looking.LOOKING, {}),
-    ("methods/threeray", "ThreeRayCamera", splat_records.CAMERA, {"padding": None}),
+    ("methods/threeray", "ThreeRayCamera", splat_records.CAMERA, {}),
     ("methods/threeray", "ScenePoint", splat_records.POINT, {}),
     ("methods/threeray", "Projected", splat_records.PROJECTED, {}),
     ("methods/threeray", "Owner", splat_records.OWNER, {}),

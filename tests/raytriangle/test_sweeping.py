@@ -7,7 +7,7 @@ import pytest
 
 from anamorph.base.errors import AnamorphError
 from anamorph.raytriangle.points import project_points
-from anamorph.raytriangle.sweeping import seen_once, switches
+from anamorph.raytriangle.sweeping import seen_once, sees_once, switches
 
 COUNT = 20_000
 
@@ -61,6 +61,27 @@ def test_what_is_seen_once_has_no_second_ray(kind, seed):
         assert once.any(axis=1)[times == 1].mean() > 0.85
     if kind in ("flat", "one ray", "two rays"):
         assert not once.any()
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_ray_triangles_that_see_once_have_no_second_ray_for_any_point(kind):
+    random = np.random.default_rng(7)
+    origins, directions = ray_triangles(kind, random)
+    near, far = random.uniform(0.0, 0.5, COUNT), random.uniform(1.0, 30.0, COUNT)
+    once = sees_once(origins, directions, near, far)
+    weights, t = random.dirichlet((1.0, 1.0, 1.0), COUNT), random.uniform(near, far)
+    points = np.einsum("ki,kij->kj", weights, origins + t[:, None, None] * directions)
+    found = project_points(origins, directions, points[:, None])
+    t = found.t[:, 0]
+    times = (found.seen[:, 0] & (t >= near[:, None]) & (t <= far[:, None])).sum(axis=1)
+    assert (times[once] <= 1).all()
+    if kind == "wild":
+        assert (times > 1).sum() > 300 and once.any()
+    if kind in ("flat", "one ray", "two rays"):
+        assert not once.any()
+    spread = origins - [0.0, 0.0, -4.0]
+    if kind not in ("flat", "one ray", "two rays", "grazing", "sliver", "far"):
+        assert sees_once(origins, spread, near, far).mean() > 0.99
 
 
 @pytest.mark.parametrize("kind", ["wild", "converging", "nearly a focus", "far"])

@@ -13,7 +13,8 @@ Source: Mei, Popescu and Sacks, "A hybrid backward-forward method for interactiv
 | | samples of small cameras go through the tree themselves | `packets` |
 | | the triangles that rays meet | `scene_triangles` |
 | 5.2 | with `splat`, pairs of a camera and a point that it may see | `points_seen` |
-| 5.1, 6 | these projected and drawn as squares on the device | `squares`: `projected.wgsl`, `squares.wgsl` |
+| 5.1 | these projected on the device | `projector`: `projected.wgsl` |
+| 6 | and drawn as squares | `squares`: `squares.wgsl` |
 | | what the device is given for that | `splat_records`: `three_ray_camera.wgsl` |
 | | what objects do to light and to rays that leave them | `objects` |
 | | where paths end, for the visibility buffer; which of them go on | `camera_records` |

@@ -46,9 +46,10 @@ fn project_pairs(@builtin(global_invocation_id) id: vec3u) {
         let root = roots[k];
         var seen = Projected(root.u, root.v, 0.0);
         let weights = weights_of(seen);
-        if root.valid && root.t >= camera.near && all(weights >= vec3f(0.0)) && count < ROOTS {
+        let t = root.t * camera.pace;
+        if root.valid && t >= camera.near && all(weights >= vec3f(0.0)) && count < ROOTS {
             let direction = camera.directions * weights;
-            seen.way = root.t * length(direction);
+            seen.way = t * length(direction);
             if !is_within(camera, point, direction, seen.way) {
                 projected[ROOTS * id.x + count] = seen;
                 count++;

@@ -14,7 +14,7 @@ CAMERA = np.dtype(
     [
         ("image", "f4", (3, 4)), ("origins", "f4", (3, 4)), ("directions", "f4", (3, 4)),
         ("transmittance", "f4", 3), ("near", "f4"), ("longest", "f4"), ("least_depth", "f4"), ("greatest_depth", "f4"),
-        ("surface", "u4"), ("item", "u4"), ("left", "u4"), ("met", "u4"), ("padding", "u4"),
+        ("surface", "u4"), ("item", "u4"), ("left", "u4"), ("met", "u4"), ("pace", "f4"),
     ]
 )  # fmt: skip
 """`ThreeRayCamera` of three_ray_camera.wgsl."""
@@ -34,9 +34,10 @@ ANY_DEPTH = 3e38
 """A ray mesh that is the camera stands nowhere."""
 
 
-def camera_records(cameras: Cameras, chosen: np.ndarray, materials: Materials) -> np.ndarray:
-    """The chosen cameras, (K,) of `CAMERA`."""
+def camera_records(cameras: Cameras, chosen: np.ndarray, materials: Materials, pace: np.ndarray) -> np.ndarray:
+    """The chosen cameras, (K,) of `CAMERA`, with the `pace` (K,) of their `ScaledRays`."""
     records = np.zeros(len(chosen), CAMERA)
+    records["pace"] = pace
     for name in ("image", "origins", "directions"):
         records[name][..., :3] = getattr(cameras, name)[chosen]
     for name, values in (

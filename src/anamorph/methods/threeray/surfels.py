@@ -27,7 +27,7 @@ KAPPA = 1.0
 LARGEST_SHARE = 1.3
 """No triangle has an area of more than this times the square of its corners' distance from its centre."""
 
-MEAN_SHARE = 0.6
+MEAN_SHARE = 0.4
 """What the area of a surfel is in the mean, as such a share, where all have one radius."""
 
 Limit = Callable[[np.ndarray], np.ndarray]

@@ -22,6 +22,8 @@ struct ThreeRayCamera {
     left: u32,
     // How many interfaces the rays have met.
     met: u32,
+    // Of t, in lengths of the directions, for one unit of the scaled t.
+    pace: f32,
 }
 
 // A point of the scene, a surfel's centre: less the scene's middle, the sum of two floats.

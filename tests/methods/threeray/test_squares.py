@@ -19,8 +19,7 @@ from anamorph.measure.errors import measure
 from anamorph.methods import Specification
 from anamorph.methods.stage import Stage
 from anamorph.methods.threeray import projector as module
-from anamorph.methods.threeray.camera_frames import frames_of
-from anamorph.methods.threeray.cameras_seen import body_cameras, mesh_cameras, owners_of, places_of
+from anamorph.methods.threeray.cameras_seen import body_cameras, mesh_cameras
 from anamorph.methods.threeray.objects import materials_of
 from anamorph.methods.threeray.points_seen import pairs_seen, point_tree
 from anamorph.methods.threeray.projector import SEVERAL, Projector
@@ -30,6 +29,8 @@ from anamorph.methods.threeray.surfels import Surfels
 from anamorph.optics.ray_meshes import bodies_of
 from anamorph.raymesh import RayMesh, RayStatus
 from anamorph.raytriangle import project_points
+from anamorph.raytriangle.camera_frames import frames_of
+from anamorph.raytriangle.owners import owners_of, places_of
 from anamorph.scene.geometry import flatten
 from anamorph.scene.model import Scene, Sky
 

@@ -17,9 +17,9 @@ import numpy as np
 
 from anamorph.base.compiled import compiled, cores, inlined, steps_over_all_cores
 from anamorph.base.vectors import along, dot
+from anamorph.methods.threeray.surfel_tree import SurfelTree
 from anamorph.raytriangle.bounds import seen_weights
 from anamorph.raytriangle.camera_frames import Frames, vector
-from anamorph.methods.threeray.surfel_tree import SurfelTree
 
 GRAIN = 32
 """Cameras that a core takes at a time."""

@@ -24,7 +24,6 @@ from anamorph.gpu.shaders import shader_module
 from anamorph.gpu.targets import Target, begin_pass, make_target, read_texture
 from anamorph.gpu.visibility import TEXEL_FORMAT, VisibilityBuffer
 from anamorph.methods.stage import Stage
-from anamorph.raytriangle.camera_frames import Frames, frames_of
 from anamorph.methods.threeray.cameras_seen import Cameras
 from anamorph.methods.threeray.objects import Materials
 from anamorph.methods.threeray.points_seen import areas_of, pairs_seen, point_tree
@@ -32,6 +31,7 @@ from anamorph.methods.threeray.projector import BLOCK, SEVERAL, Projector
 from anamorph.methods.threeray.sample_rays import Samples
 from anamorph.methods.threeray.splat_records import OWNER, owner_records, point_records
 from anamorph.methods.threeray.surfel_tree import SurfelTree
+from anamorph.raytriangle.camera_frames import Frames, frames_of
 from anamorph.raytriangle.sweeping import sees_once
 
 

@@ -11,13 +11,12 @@ of a leaf is asked for, where the paper projects all of them: to bound a point c
 from __future__ import annotations
 
 from collections.abc import Generator
-from typing import NamedTuple
 
 import numpy as np
 
 from anamorph.base.compiled import compiled, cores, inlined, steps_over_all_cores
 from anamorph.base.vectors import along, dot
-from anamorph.methods.threeray.surfel_tree import SurfelTree
+from anamorph.methods.threeray.surfel_tree import Nodes, SurfelTree
 from anamorph.raytriangle.bounds import seen_weights
 from anamorph.raytriangle.camera_frames import Frames, vector
 
@@ -28,46 +27,32 @@ AT_FIRST = 2**14
 """Pairs that there is space for before it is known how many there are."""
 
 SHARE = 0.5
-"""A node with a radius of less than this share of a pixel is one point: with 1, holes open."""
+"""A node is one point if its radius is less than this share of a square's side: with 1, holes open."""
 
 
-class PointTree(NamedTuple):
-    """A `SurfelTree` as compiled loops read it, whose nodes are points too."""
-
-    first: np.ndarray
-    held: np.ndarray
-    size: np.ndarray
-    middle: np.ndarray
-    half: np.ndarray
-    center: np.ndarray
-    point: np.ndarray
-    """(M,) int64: of each node, the number of a surfel near its middle."""
-
-
-def point_tree(tree: SurfelTree) -> PointTree:
-    """The tree with a point for each node."""
-    point = np.zeros(len(tree.size), np.int64)
-    held = PointTree(tree.first, tree.count, tree.size, tree.middle, tree.half, tree.surfels.center, point)
+def stand_ins(tree: SurfelTree) -> np.ndarray:
+    """The point that each node is where it is small: a surfel near its middle, (M,) int64."""
+    found = np.zeros(len(tree.size), np.int64)
     if len(tree.surfels):
-        _stand_in(held)
-    return held
+        _stand_in(tree.nodes, found)
+    return found
 
 
 @compiled
-def _stand_in(tree: PointTree) -> None:
-    """Find each node's point, from the last to the first: of its own points, or those of its two halves."""
-    for node in range(len(tree.size) - 1, -1, -1):
-        middle, nearest = vector(tree.middle[node]), np.inf
-        if tree.size[node] > 1:
+def _stand_in(nodes: Nodes, found: np.ndarray) -> None:
+    """Find each node's point, from the last to the first: of its own, or of those of its two halves."""
+    for node in range(len(found) - 1, -1, -1):
+        middle, nearest = vector(nodes.middle[node]), np.inf
+        if nodes.size[node] > 1:
             left = node + 1
-            for half in (left, left + tree.size[left]):
-                offset = along(vector(tree.center[tree.point[half]]), -1.0, middle)
+            for half in (left, left + nodes.size[left]):
+                offset = along(vector(nodes.center[found[half]]), -1.0, middle)
                 if dot(offset, offset) < nearest:
-                    nearest, tree.point[node] = dot(offset, offset), tree.point[half]
-        for s in range(tree.first[node], tree.first[node] + tree.held[node]):
-            offset = along(vector(tree.center[s]), -1.0, middle)
+                    nearest, found[node] = dot(offset, offset), found[half]
+        for s in range(nodes.first[node], nodes.first[node] + nodes.held[node]):
+            offset = along(vector(nodes.center[s]), -1.0, middle)
             if dot(offset, offset) < nearest:
-                nearest, tree.point[node] = dot(offset, offset), s
+                nearest, found[node] = dot(offset, offset), s
 
 
 def areas_of(image: np.ndarray) -> np.ndarray:
@@ -79,18 +64,22 @@ def areas_of(image: np.ndarray) -> np.ndarray:
     return np.where((image[..., 2] > 0.0).all(axis=1) & np.isfinite(area), area, 0.0)
 
 
-def pairs_seen(frames: Frames, tree: PointTree, samples: np.ndarray, detail: bool) -> Generator[None, None, np.ndarray]:
+def pairs_seen(
+    frames: Frames, nodes: Nodes, points: np.ndarray, samples: np.ndarray, side: float
+) -> Generator[None, None, np.ndarray]:
     """The points that cameras may see, in steps.
 
     Parameters
     ----------
     frames : Frames
         Of the cameras, K of them.
-    tree : PointTree
+    nodes : Nodes
+    points : (M,) int64
+        From `stand_ins`.
     samples : (K,) float64
         How many samples of the image the cameras' triangles cover; 0 where nobody knows.
-    detail : bool
-        Whether nodes of less than a sample are points.
+    side : float
+        Nodes that are less than so many samples wide are points; 0 for none.
 
     Returns
     -------
@@ -99,46 +88,53 @@ def pairs_seen(frames: Frames, tree: PointTree, samples: np.ndarray, detail: boo
         node stands for.
     """
     parts: dict[int, np.ndarray] = {}
-    limit = SHARE if detail else 0.0
+    limit = SHARE * side
 
     def work(start: int, stop: int) -> None:
         pairs = np.empty((AT_FIRST, 2), np.uint32)
-        count = _see(frames, tree, samples, limit, pairs, start, stop)
+        count = _see(frames, nodes, points, samples, limit, pairs, start, stop)
         if count > len(pairs):
             pairs = np.empty((count, 2), np.uint32)
-            _see(frames, tree, samples, limit, pairs, start, stop)
+            _see(frames, nodes, points, samples, limit, pairs, start, stop)
         parts[start] = pairs[:count].copy()
 
     count = len(samples)
-    if count and len(tree.center):
+    if count and len(nodes.center):
         yield from steps_over_all_cores(work, count, max(1, min(GRAIN, count // (8 * cores()))))
     return np.concatenate([np.zeros((0, 2), np.uint32), *(parts[start] for start in sorted(parts))])
 
 
 @compiled
 def _see(
-    frames: Frames, tree: PointTree, samples: np.ndarray, limit: float, pairs: np.ndarray, start: int, stop: int
+    frames: Frames,
+    nodes: Nodes,
+    points: np.ndarray,
+    samples: np.ndarray,
+    limit: float,
+    pairs: np.ndarray,
+    start: int,
+    stop: int,
 ) -> int:
     """Fill `pairs` as far as they go for cameras from `start` to `stop`; how many there are."""
     count, nothing = 0, (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
     for c in range(start, stop):
         node = 0
-        while node < len(tree.size):
-            half = vector(tree.half[node])
+        while node < len(nodes.size):
+            half = vector(nodes.half[node])
             shape = (half[0], half[1], half[2], 0.0, 0.0, 0.0)
-            first, last, seen = tree.first[node], tree.first[node] + tree.held[node], False
-            seen, _, _ = seen_weights(frames, c, vector(tree.middle[node]), shape, True)
-            one = seen and dot(half, half) < limit * limit * _pixel(frames, samples, c, tree.middle[node])
+            first, last, seen = nodes.first[node], nodes.first[node] + nodes.held[node], False
+            seen, _, _ = seen_weights(frames, c, vector(nodes.middle[node]), shape, True)
+            one = seen and dot(half, half) < limit * limit * _pixel(frames, samples, c, nodes.middle[node])
             if one:
-                first, last = tree.point[node], tree.point[node] + 1
+                first, last = points[node], points[node] + 1
             if seen:
                 for s in range(first, last):
-                    shown, _, _ = seen_weights(frames, c, vector(tree.center[s]), nothing, True)
+                    shown, _, _ = seen_weights(frames, c, vector(nodes.center[s]), nothing, True)
                     if shown:
                         if count < len(pairs):
                             pairs[count, 0], pairs[count, 1] = c, s
                         count += 1
-            node += 1 if seen and not one else tree.size[node]
+            node += 1 if seen and not one else nodes.size[node]
     return count
 
 

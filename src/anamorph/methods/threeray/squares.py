@@ -26,7 +26,7 @@ from anamorph.gpu.visibility import TEXEL_FORMAT, VisibilityBuffer
 from anamorph.methods.stage import Stage
 from anamorph.methods.threeray.cameras_seen import Cameras
 from anamorph.methods.threeray.objects import Materials
-from anamorph.methods.threeray.points_seen import areas_of, pairs_seen, point_tree
+from anamorph.methods.threeray.points_seen import areas_of, pairs_seen, stand_ins
 from anamorph.methods.threeray.projector import BLOCK, SEVERAL, Projector
 from anamorph.methods.threeray.sample_rays import Samples
 from anamorph.methods.threeray.splat_records import OWNER, owner_records, point_records
@@ -54,7 +54,7 @@ class Squares:
     side : int
         Of a square, pixels.
     detail : bool
-        Whether nodes of the tree that are less than a pixel wide are points.
+        Whether nodes of the tree that are less than a square wide are points.
 
     Raises
     ------
@@ -71,7 +71,8 @@ class Squares:
         side: int,
         detail: bool,
     ) -> None:
-        self._stage, self._visibility, self._materials, self._detail = stage, visibility, materials, detail
+        self._stage, self._visibility, self._materials = stage, visibility, materials
+        self._wide = float(side * visibility.side) if detail else 0.0
         middle = np.asarray(stage.geometry.positions, float).mean(axis=0)
         self._projector = Projector(stage.buffers, len(tree.surfels), middle)
         width, height = visibility.size
@@ -95,7 +96,7 @@ class Squares:
 
     def moved(self, tree: SurfelTree) -> None:
         """Follow the points."""
-        self._tree = point_tree(tree)
+        self._tree, self._stand_ins = tree, stand_ins(tree)
         face_object = self._stage.geometry.face_object
         self._projector.place(point_records(tree.surfels, face_object, self._materials, self._projector.middle))
 
@@ -122,14 +123,15 @@ class Squares:
         """
         rays = cameras.directions[owning].any(axis=(1, 2)) & ~cameras.traced[owning]
         chosen, frames, singles = self._ordered(cameras, owning[rays])
-        pairs = yield from pairs_seen(frames, self._tree, areas_of(cameras.image[chosen]), self._detail)
+        areas = areas_of(cameras.image[chosen])
+        pairs = yield from pairs_seen(frames, self._tree.nodes, self._stand_ins, areas, self._wide)
         shown = np.zeros(len(cameras.item), bool)
         shown[chosen] = True
         self._samples = int(np.count_nonzero(shown[samples.owner[samples.owner >= 0]]))
         self._work = {
             "cameras": len(chosen),
             "seeing_once_percent": 100.0 * singles / max(len(chosen), 1),
-            "points": len(self._tree.center),
+            "points": len(self._tree.surfels),
             "pairs": len(pairs),
         }
         if not len(pairs):
@@ -152,7 +154,7 @@ class Squares:
         """Cameras, those first that see every point once: their numbers, their frames, and how many of them do."""
         frames = frames_of(cameras.origins[chosen], cameras.directions[chosen])
         once = np.zeros(len(chosen), bool)
-        if len(chosen) and len(self._tree.center):
+        if len(chosen) and len(self._tree.surfels):
             # No point is farther from an origin than the far corner of the box around all.
             far = np.linalg.norm(np.abs(frames.origin - self._tree.middle[0]) + self._tree.half[0], axis=1)
             slab = frames.reach[:, 2] > 0.0

@@ -18,6 +18,7 @@ Source: Mei, Popescu and Sacks, "A hybrid backward-forward method for interactiv
 | | what the device is given for that | `splat_records`: `three_ray_camera.wgsl` |
 | | what objects do to light and to rays that leave them | `objects` |
 | | where paths end, for the visibility buffer; which of them go on | `camera_records` |
+| 7 | what is far, by a map behind what is near | `background` |
 | | what stands before a mirror hides it | `hiding`: `hidden.wgsl` |
 | | the frame | `threeray` |
 

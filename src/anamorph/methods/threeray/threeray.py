@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 import wgpu
 
+from anamorph.base.errors import AnamorphError
 from anamorph.frame import View
 from anamorph.gpu.targets import Target
 from anamorph.gpu.visibility import Rectangle
@@ -23,6 +24,14 @@ from anamorph.methods.options import check_options, option
 from anamorph.methods.protocol import Method
 from anamorph.methods.session import Session
 from anamorph.methods.stage import Stage
+from anamorph.methods.threeray.background import (
+    Background,
+    are_near,
+    body_center,
+    least_distances,
+    make_background,
+    show_behind,
+)
 from anamorph.methods.threeray.camera_records import records_of
 from anamorph.methods.threeray.cameras_seen import Cameras, body_cameras, mesh_cameras
 from anamorph.methods.threeray.hiding import Hiding
@@ -32,7 +41,7 @@ from anamorph.methods.threeray.sample_rays import Samples, interpolate
 from anamorph.methods.threeray.scene_triangles import triangles_of
 from anamorph.methods.threeray.squares import Squares
 from anamorph.methods.threeray.surfel_tree import make_tree
-from anamorph.methods.threeray.surfels import Limit, about, evenly, magnified, sample
+from anamorph.methods.threeray.surfels import Limit, Surfels, about, evenly, magnified, sample
 from anamorph.methods.tracing.launch import EyeRays, FirstRays, GivenRays
 from anamorph.methods.tracing.packing import packed
 from anamorph.methods.tracing.paths import PathTracer, specular_rectangle
@@ -74,6 +83,12 @@ class Options:
         a side, as the paper does: samples that get none are holes, and show the sky.
     detail : bool
         Whether, with `splat`, what is less than a pixel wide is one point.
+    background : str
+        "scene": all of it is seen by the cameras; "map": what is far from a mirror or lens is drawn behind what is near
+        by an environment map from its middle.
+    near : float
+        With a map, how far from the middle the cameras see, metres; 0 takes what keeps the map within half a pixel in
+        the session's first view.
     """
 
     spacing: float = option(0.0, low=0.0, unit="metres")
@@ -82,6 +97,8 @@ class Options:
     dispersion: bool = True
     splat: int = option(0, choices=(0, 1, 2))
     detail: bool = True
+    background: str = option("scene", choices=("scene", "map"))
+    near: float = option(0.0, low=0.0, unit="metres")
 
 
 class ThreeRayDrawing(FindingDrawing):
@@ -94,10 +111,14 @@ class ThreeRayDrawing(FindingDrawing):
         self._disperses = disperses and any(side.disperses for body in self._bodies for side in body.sides)
         super().__init__(stage, 3 if self._disperses else 1, options.antialias)
         self._options, self._materials = options, materials_of(stage.view.scene)
-        corners = self._corners()
-        self._tree = make_tree(sample(corners, self._limit(corners)), stage.geometry.face_object)
-        self._triangles = triangles_of(corners, stage.geometry.face_object)
         self._samples = Samples.reserved(self.visibility.size)
+        corners = self._corners()
+        surfels = sample(corners, self._limit(corners))
+        self._background: Background | None = None
+        if options.background == "map":
+            surfels, self._background = self._divided(surfels)
+        self._tree = make_tree(surfels, stage.geometry.face_object)
+        self._triangles = triangles_of(corners, stage.geometry.face_object)
         self._hiding = Hiding(self.visibility)
         self._squares: Squares | None = None
         if options.splat:
@@ -126,6 +147,26 @@ class ThreeRayDrawing(FindingDrawing):
         extent = float(np.ptp(corners.reshape(-1, 3), axis=0).max())
         return magnified(np.unique(starts.reshape(-1, 3), axis=0), max(float(edges.mean()), LEAST_RADIUS * extent))
 
+    def _divided(self, surfels: Surfels) -> tuple[Surfels, Background]:
+        """The surfels that are near, and a map of the triangles of the others."""
+        camera, geometry = self.stage.view.camera, self.stage.geometry
+        body = np.zeros(len(self.stage.view.scene.meshes) + 1, np.int64)
+        if isinstance(camera, RayMesh):
+            centers = [np.asarray(camera.origins, float).mean(axis=0)]
+        else:
+            centers = [body_center(each) for each in self._bodies]
+            for number, each in enumerate(self._bodies):
+                body[np.asarray(each.meshes, int) + 1] = number
+        center = np.array(centers, float).reshape(-1, 3)
+        distances = np.full(len(center), self._options.near)
+        if self._options.near == 0.0 and len(center):
+            cameras, _, owning = self._looked_at(camera, (0.0, 0.0))
+            distances = least_distances(cameras, owning, center, body)
+        near = are_near(surfels, center, distances)
+        far = np.zeros(len(geometry.faces), bool)
+        far[surfels.triangle[~near]] = True
+        return surfels.chosen(np.flatnonzero(near)), make_background(geometry, far, center, body)
+
     @cached_property
     def _tracer(self) -> tuple[Caster, PathTracer]:
         """What traces paths that go on, made when the first does."""
@@ -144,6 +185,8 @@ class ThreeRayDrawing(FindingDrawing):
         self._tree, self._triangles = self._tree.moved(corners), triangles_of(corners, geometry.face_object)
         if self._squares is not None:
             self._squares.moved(self._tree)
+        if self._background is not None:
+            self._background = self._background.moved(geometry)
         if "_tracer" in self.__dict__:
             caster, tracer = self._tracer
             caster.moved(geometry.positions)
@@ -154,17 +197,30 @@ class ThreeRayDrawing(FindingDrawing):
     ) -> Generator[None, None, wgpu.GPUCommandEncoder]:
         """Find what each sample's ray meets, in steps, and upload where the paths end."""
         self.visibility.show(None)
-        side, size = self.visibility.side, self.visibility.size
-        rectangle: Rectangle = (0, 0, *size)
+        side = self.visibility.side
+        rectangle: Rectangle = (0, 0, *self.visibility.size)
         if isinstance(camera, RayMesh):
-            self.looked, fronts = (camera, shift), None
-            cameras = mesh_cameras(camera, side, shift)
+            self.looked = camera, shift
         else:
             self.look(camera, shift)
             seen = specular_rectangle(self.stage.view.scene, camera, self.stage.view.size)
             if seen is None:
                 return encoder
             rectangle = side * seen[0], side * seen[1], side * seen[2], side * seen[3]
+        cameras, places, owning = self._looked_at(camera, shift)
+        yield from self._find(camera, cameras, places, owning, rectangle, shift)
+        if self._squares is not None:
+            encoder = yield from self._squares.draw(encoder, cameras, owning, self._samples, self.projection)
+        x0, y0, x1, y1 = (end // side for end in rectangle)
+        self.visibility.show((x0, y0, x1, y1), 3 if self._disperses else 1)
+        return encoder
+
+    def _looked_at(self, camera: Camera | RayMesh, shift: tuple[float, float]) -> tuple[Cameras, Places, np.ndarray]:
+        """The cameras of an image, where they are, and the numbers of those that own samples, which know it then."""
+        size = self.visibility.size
+        if isinstance(camera, RayMesh):
+            cameras, fronts = mesh_cameras(camera, self.visibility.side, shift), None
+        else:
             cameras = self._body_cameras(camera, shift, 1)
             # Triangles that turn their front to the eye are clockwise in the image, whose y points down.
             fronts = np.linalg.det(cameras.image) < 0.0
@@ -172,13 +228,7 @@ class ThreeRayDrawing(FindingDrawing):
         if fronts is not None:
             # From behind, a lens is not looked at: its other side is.
             places.box[~fronts & (cameras.bounces > 1)] = 0
-        owning = owners_of(places, size, fronts, self._samples.depth, self._samples.owner)
-        yield from self._find(camera, cameras, places, owning, rectangle, shift)
-        if self._squares is not None:
-            encoder = yield from self._squares.draw(encoder, cameras, owning, self._samples, self.projection)
-        x0, y0, x1, y1 = (end // side for end in rectangle)
-        self.visibility.show((x0, y0, x1, y1), 3 if self._disperses else 1)
-        return encoder
+        return cameras, places, owners_of(places, size, fronts, self._samples.depth, self._samples.owner)
 
     def _body_cameras(self, camera: Camera, shift: tuple[float, float], line: Line) -> Cameras:
         eye = camera.eye(self.stage.view.size)
@@ -224,9 +274,12 @@ class ThreeRayDrawing(FindingDrawing):
         else:
             interpolate(cameras, places, samples, rectangle)
         eye = np.asarray(camera.position) if isinstance(camera, Camera) else None
-        return records_of(
+        records, going = records_of(
             cameras, places, self._triangles, materials, samples, rectangle, eye, self._options.bounces, shown
         )
+        if self._background is not None:
+            show_behind(self._background, records, going)
+        return records, going
 
     def _trace(
         self,
@@ -281,6 +334,8 @@ class ThreeRayDrawing(FindingDrawing):
 def open_session(view: View, options: Options) -> Session:
     """Start drawing `view` by three-ray cameras."""
     check_options("threeray", options)
+    if options.near > 0.0 and options.background == "scene":
+        raise AnamorphError("threeray: near is for a map behind; leave it out, or give background=map")
     stage = Stage(view)
     middles = partial(open_session, view, replace(options, antialias=1))
     return Session(stage, ThreeRayDrawing(stage, options), options.antialias, middles)

@@ -1,14 +1,17 @@
-"""What a camera may see, bounded: nothing that one of its rays meets is left out, nor any weight of such a ray."""
+"""What a camera may see: nothing that one of its rays meets is left out, nor any weight of such a ray."""
 
 from __future__ import annotations
 
 import numpy as np
 import pytest
 
-from anamorph.raytriangle.bounds import boxes_seen, seen_weights
+from anamorph.raytriangle import project_points
+from anamorph.raytriangle.bounds import weights_seen
 from anamorph.raytriangle.camera_frames import frames_of
+from anamorph.raytriangle.walls import volumes_met, walls_of
 
-COUNT = 10_000
+COUNT, EACH = 7_000, 10
+"""Cameras, and boxes of each: over all kinds of cameras 10^6 pairs."""
 
 KINDS = [
     "spreading", "converging", "nearly a focus", "a focus", "parallel", "nearly parallel", "flat", "one ray",
@@ -51,54 +54,83 @@ def cameras(kind: str, random: np.random.Generator, count: int = COUNT) -> tuple
     return origins, outward
 
 
+def told(culling: str, origins: np.ndarray, directions: np.ndarray, middle: np.ndarray, half: np.ndarray) -> np.ndarray:
+    """Which of their boxes (K, N, 3) cameras (K, 3, 3) may see, (K, N) bool."""
+    frames, camera = frames_of(origins, directions), np.repeat(np.arange(len(middle)), middle.shape[1])
+    places, sides = middle.reshape(-1, 3), half.reshape(-1, 3)
+    if culling == "walls":
+        met = volumes_met(frames, walls_of(origins, directions), camera, places, sides)
+    else:
+        met, _, _ = weights_seen(frames, camera, places, np.concatenate([sides, np.zeros_like(sides)], axis=1), True)
+    return met.reshape(middle.shape[:2])
+
+
 @pytest.mark.parametrize("kind", KINDS)
-@pytest.mark.parametrize("seed", range(7))
-def test_no_box_is_left_out_that_a_ray_meets(kind, seed):
-    random = np.random.default_rng(seed)
+def test_no_box_is_left_out_that_a_ray_meets(kind):
+    random = np.random.default_rng(KINDS.index(kind))
     origins, directions = cameras(kind, random)
-    weights = random.dirichlet((0.6, 0.6, 0.6), COUNT)
-    weights[::5] = np.eye(3)[random.integers(0, 3, len(weights[::5]))]
-    t = random.uniform(0.0, 3.0, COUNT) * random.choice([0.0, 1e-3, 1.0, 30.0], COUNT)
-    points = np.einsum("ki,kij->kj", weights, origins + t[:, None, None] * directions)
-    half = random.uniform(0.0, 1.0, (COUNT, 3)) * 10.0 ** random.uniform(-6.0, 0.5, (COUNT, 1))
-    half[::4, 1] = 0.0
-    middle = points + random.uniform(-1.0, 1.0, (COUNT, 3)) * half
+    shape = COUNT, EACH
+    weights = random.dirichlet((0.6, 0.6, 0.6), shape)
+    weights[:, ::5] = np.eye(3)[random.integers(0, 3, weights[:, ::5].shape[:2])]
+    t = random.uniform(0.0, 3.0, shape) * random.choice([0.0, 1e-3, 1.0, 30.0], shape)
+    # Every third point is not made to be seen: brute force says whether it is.
+    weights[:, ::3] += random.normal(size=(COUNT, 1, 1)) * [1.0, -1.0, 0.0]
+    ways = origins[:, None] + t[..., None, None] * directions[:, None]
+    points = np.einsum("kni,knij->knj", weights, ways)
+    seen = np.ones(shape, bool)
+    seen[:, ::3] = project_points(origins, directions, points[:, ::3]).seen.any(axis=2)
+    half = random.uniform(0.0, 1.0, points.shape) * 10.0 ** random.uniform(-6.0, 0.5, (*shape, 1))
+    half[:, ::4, 1] = 0.0
+    middle = points + random.uniform(-1.0, 1.0, points.shape) * half
     # Rounding puts points off by so much; a box in the tree is widened by as much.
     half += 1e-12 * np.abs(points)
-    frames = frames_of(origins, directions)
-    assert boxes_seen(frames, middle, half).all()
+    for culling in ("bounds", "walls"):
+        assert told(culling, origins, directions, middle, half)[seen].all(), culling
 
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_weights_of_rays_that_meet_a_surfel_are_within_its_bounds(kind):
-    random, count = np.random.default_rng(11), 600
+    random, count = np.random.default_rng(11), 20_000
     origins, directions = cameras(kind, random, count)
     weights = random.dirichlet((1.0, 1.0, 1.0), count)
     t = random.uniform(0.1, 3.0, count)
     points = np.einsum("ki,kij->kj", weights, origins + t[:, None, None] * directions)
-    frames = frames_of(origins, directions)
-    for c in range(count):
-        vectors = random.normal(size=(3, 3)) * 10.0 ** random.uniform(-4.0, 0.0)
-        vectors -= vectors.mean(axis=0)
-        # The point lies in the triangle with these corners.
-        middle = points[c] - random.dirichlet((1.0, 1.0, 1.0)) @ vectors
-        first, second = [0, 1, 2, 0, 0, 1], [0, 1, 2, 1, 2, 2]
-        row = 2.0 / 3.0 * (vectors[:, first] * vectors[:, second]).sum(axis=0)
-        seen, low, high = seen_weights(frames, c, tuple(middle), tuple(row), False)
-        assert seen
-        # Where one triangle of weights leads to the point, these are it; else there may be others, within bounds too.
-        assert (np.array(low) <= weights[c] + 1e-6).all() and (np.array(high) >= weights[c] - 1e-6).all()
+    vectors = random.normal(size=(count, 3, 3)) * 10.0 ** random.uniform(-4.0, 0.0, (count, 1, 1))
+    vectors -= vectors.mean(axis=1, keepdims=True)
+    # The point lies in the triangle with these corners.
+    middle = points - np.einsum("ki,kij->kj", random.dirichlet((1.0, 1.0, 1.0), count), vectors)
+    first, second = [0, 1, 2, 0, 0, 1], [0, 1, 2, 1, 2, 2]
+    covariance = 2.0 / 3.0 * (vectors[..., first] * vectors[..., second]).sum(axis=1)
+    seen, low, high = weights_seen(frames_of(origins, directions), np.arange(count), middle, covariance, False)
+    assert seen.all()
+    # Where one triangle of weights leads to the point, these are it; else there may be others, within bounds too.
+    assert (low <= weights + 1e-6).all() and (high >= weights - 1e-6).all()
 
 
-def test_most_of_what_is_beside_or_behind_a_camera_is_left_out():
+@pytest.mark.parametrize("culling", ["bounds", "walls"])
+def test_most_of_what_is_beside_or_behind_a_camera_is_left_out(culling):
     random = np.random.default_rng(2)
     origins, directions = cameras("spreading", random)
-    frames = frames_of(0.1 * origins, directions)
-    middle = random.normal(size=(COUNT, 3)) * 8.0
-    seen = boxes_seen(frames, middle, np.full((COUNT, 3), 0.05))
-    assert seen.mean() < 0.1
-    behind = boxes_seen(frames, middle * [1.0, 1.0, 0.0] - [0.0, 0.0, 9.0], np.full((COUNT, 3), 0.05))
+    middle = random.normal(size=(COUNT, EACH, 3)) * 8.0
+    half = np.full(middle.shape, 0.05)
+    assert told(culling, 0.1 * origins, directions, middle, half).mean() < 0.1
+    behind = told(culling, 0.1 * origins, directions, middle * [1.0, 1.0, 0.0] - [0.0, 0.0, 9.0], half)
     assert not behind.any()
+
+
+def test_walls_leave_out_all_but_boxes_that_hold_something_seen():
+    random, count, steps = np.random.default_rng(3), 200, 7
+    origins, directions = cameras("converging", random, count)
+    middle = random.normal(size=(count, EACH, 3)) * 2.0 + [0.0, 0.0, 4.0]
+    half = np.full(middle.shape, 0.3)
+    met = told("walls", origins, directions, middle, half)
+    beyond = (np.abs(origins.mean(axis=1)[:, None] - middle) > 3.0).any(axis=2)
+    grid = np.stack(np.meshgrid(*[np.linspace(-0.3, 0.3, steps)] * 3), axis=-1).reshape(-1, 3)
+    points = (middle[:, :, None] + grid).reshape(count, -1, 3)
+    held = project_points(origins, directions, points).seen.any(axis=2).reshape(count, EACH, -1).any(axis=2)
+    assert met[held].all() and 0.02 < met[beyond].mean() < 0.5
+    # What is seen may pass between the points of the grid, but seldom.
+    assert (met & ~held)[beyond].sum() < 0.1 * held[beyond].sum()
 
 
 def test_bounds_are_close_for_small_surfels_far_from_any_crossing():
@@ -108,10 +140,7 @@ def test_bounds_are_close_for_small_surfels_far_from_any_crossing():
     origins, directions = origins * [0.1, 0.1, 0.01], origins * [0.1, 0.1, 0.0] + [0.0, 0.0, 1.0]
     weights = random.dirichlet((3.0, 3.0, 3.0), count)
     points = np.einsum("ki,kij->kj", weights, origins + 5.0 * directions)
-    frames = frames_of(origins, directions)
-    widths = []
-    for c in range(count):
-        seen, low, high = seen_weights(frames, c, tuple(points[c]), (1e-6, 1e-6, 1e-6, 0.0, 0.0, 0.0), False)
-        assert seen
-        widths.append(np.subtract(high, low).max())
-    assert np.median(widths) < 0.03
+    small = np.tile([1e-6, 1e-6, 1e-6, 0.0, 0.0, 0.0], (count, 1))
+    seen, low, high = weights_seen(frames_of(origins, directions), np.arange(count), points, small, False)
+    assert seen.all()
+    assert np.median((high - low).max(axis=1)) < 0.03

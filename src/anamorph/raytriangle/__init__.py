@@ -17,7 +17,8 @@ The thesis's parametric triangle at t is the one between the points p + t n.
 | 3.7 | which boxes no ray meets | `boxes`: `bounding_planes` |
 | | which samples of an image each ray triangle owns | `owners` |
 | | which boxes and surfels it may see, bounded linearly | `camera_frames`, `bounds`: `seen_weights` |
-| | which points are seen once (Mei, Popescu and Sacks 2007, section 5.1) | `sweeping`: `seen_once`, `sees_once` |
+| | which boxes it may see, by its side walls (Mei, Popescu and Sacks 2007, section 5.2) | `walls`: `meets_volume` |
+| | which points are seen once (the same, section 5.1) | `sweeping`: `seen_once`, `sees_once` |
 """
 
 from anamorph.raytriangle.boxes import BoundingPlanes as BoundingPlanes

@@ -131,23 +131,53 @@ def seen_weights(frames: Frames, c: int, middle: Vector, shape: Shape, box: bool
     return low_2 <= high_2, (low_0, low_1, low_2), (high_0, high_1, high_2)
 
 
-def boxes_seen(frames: Frames, middle: np.ndarray, half: np.ndarray) -> np.ndarray:
-    """Whether camera k of K may see something of box k, (K,) bool.
+def weights_seen(
+    frames: Frames, camera: np.ndarray, middle: np.ndarray, shape: np.ndarray, box: bool
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """What `seen_weights` says of camera[n] and a box or a surfel n.
 
     Parameters
     ----------
     frames : Frames
-    middle, half : (K, 3) float64
-        The boxes' middles, and half their sides.
+    camera : (N,) int64
+    middle : (N, 3) float64
+        Metres.
+    shape : (N, 6) float64
+        See `Shape`.
+    box : bool
+        Whether they are boxes.
+
+    Returns
+    -------
+    seen : (N,) bool
+    low, high : (N, 3) float64
     """
-    seen = np.zeros(len(middle), bool)
-    over_all_cores(lambda start, stop: _see_boxes(frames, middle, half, seen, start, stop), len(middle), GRAIN)
-    return seen
+    seen, low, high = np.zeros(len(camera), bool), np.zeros((len(camera), 3)), np.zeros((len(camera), 3))
+
+    def work(start: int, stop: int) -> None:
+        _see(frames, camera, middle, shape, box, seen, low, high, start, stop)
+
+    over_all_cores(work, len(camera), GRAIN)
+    return seen, low, high
 
 
 @compiled
-def _see_boxes(frames: Frames, middle: np.ndarray, half: np.ndarray, seen: np.ndarray, start: int, stop: int) -> None:
-    for k in range(start, stop):
-        shape = (half[k, 0], half[k, 1], half[k, 2], 0.0, 0.0, 0.0)
-        found, _, _ = seen_weights(frames, k, vector(middle[k]), shape, True)
-        seen[k] = found
+def _see(
+    frames: Frames,
+    camera: np.ndarray,
+    middle: np.ndarray,
+    shape: np.ndarray,
+    box: bool,
+    seen: np.ndarray,
+    low: np.ndarray,
+    high: np.ndarray,
+    start: int,
+    stop: int,
+) -> None:
+    for n in range(start, stop):
+        v = shape[n]
+        six = (v[0], v[1], v[2], v[3], v[4], v[5])
+        found, least, most = seen_weights(frames, camera[n], vector(middle[n]), six, box)
+        seen[n] = found
+        for i in range(3):
+            low[n, i], high[n, i] = least[i], most[i]

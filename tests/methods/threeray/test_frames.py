@@ -63,6 +63,14 @@ def test_built_in_scenes_have_no_hole(name):
     assert np.abs(frame.color - reference.color)[reference.specular > 0].mean() < 2e-3
 
 
+@pytest.mark.parametrize("name", ["flat", "strongly concave", "coarse"])
+def test_both_cullings_show_the_same(name):
+    scene = scene_with(MIRRORS[name])
+    bounds, walls = (drawn(scene, f"threeray:culling={culling}", (320, 240)) for culling in ("bounds", "walls"))
+    assert (bounds.color == walls.color).all() and (bounds.status == walls.status).all()
+    assert 0 < walls.figures["nodes"] < bounds.figures["nodes"]
+
+
 def test_lenses_send_each_color_its_own_way():
     scene = make("spectacles-minus")
     reference, frame = drawn(scene, REFERENCE, SIZE), drawn(scene, "threeray", SIZE)

@@ -21,6 +21,7 @@ from anamorph.methods.threeray.surfel_tree import SurfelTree
 from anamorph.methods.threeray.surfels_seen import look
 from anamorph.raytriangle.camera_frames import frames_of
 from anamorph.raytriangle.owners import Places
+from anamorph.raytriangle.walls import SPACE, walls_of
 
 FEW = 160
 """With so many samples or fewer it does not pay for a camera to look: they go through the tree with others."""
@@ -41,10 +42,12 @@ def meet(
     samples: Samples,
     shown: np.ndarray,
     rectangle: Rectangle,
+    culling: str,
 ) -> Generator[None, None, dict[str, float]]:
     """Fill what the samples of cameras that are `shown` (K,) meet in a rectangle, in steps; returns the work's counts.
 
-    The samples' owners are known; their rays are interpolated here.
+    The samples' owners are known; their rays are interpolated here. Boxes of the tree are told by `culling`: "bounds"
+    or "walls".
     """
     interpolate(cameras, places, samples, rectangle)
     x0, y0, x1, y1 = rectangle
@@ -55,12 +58,15 @@ def meet(
     looks, follows = np.zeros((len(looking), len(WORK)), np.int64), np.zeros((tiles, len(WORK)), np.int64)
     nodes = tree.nodes
     if len(looking):
-        frames = frames_of(cameras.origins, cameras.directions)
+        frames, by_walls = frames_of(cameras.origins, cameras.directions), culling == "walls"
+        asked = slice(None if by_walls else 0)
+        walls = walls_of(cameras.origins[asked], cameras.directions[asked])
 
         def one_by_one(start: int, stop: int) -> None:
-            ways = np.empty(x1 - x0)
+            ways, space = np.empty(x1 - x0), np.empty(SPACE)
             look(
-                cameras, frames, places, nodes, triangles, materials, samples, looking, looks, ways, start, stop,
+                cameras, frames, walls, by_walls, places, nodes, triangles, materials, samples, looking, looks,
+                ways, space, start, stop,
             )  # fmt: skip
 
         yield from steps_over_all_cores(one_by_one, len(looking), max(1, min(GRAIN, len(looking) // (8 * cores()))))
@@ -72,5 +78,5 @@ def meet(
     if alone.any():
         yield from steps_over_all_cores(together, tiles, TILES)
     spent = looks.sum(axis=0) + follows.sum(axis=0)
-    counts = {"cameras": np.count_nonzero(shown), "looking": len(looking)}
+    counts = {"cameras": int(np.count_nonzero(shown)), "looking": len(looking)}
     return {**counts, **dict(zip(WORK, spent.tolist(), strict=True))}

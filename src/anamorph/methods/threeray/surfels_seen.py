@@ -21,6 +21,7 @@ from anamorph.methods.threeray.surfel_tree import Nodes
 from anamorph.raytriangle.bounds import Range, seen_weights
 from anamorph.raytriangle.camera_frames import Frames, vector
 from anamorph.raytriangle.owners import Places
+from anamorph.raytriangle.walls import Walls, meets_volume
 
 MARGIN = 1e-6
 """Samples, and weights, by which the polygon of a surfel is widened."""
@@ -30,6 +31,8 @@ MARGIN = 1e-6
 def look(
     cameras: Cameras,
     frames: Frames,
+    walls: Walls,
+    by_walls: bool,
     places: Places,
     nodes: Nodes,
     triangles: Triangles,
@@ -38,20 +41,25 @@ def look(
     chosen: np.ndarray,
     work: np.ndarray,
     ways: np.ndarray,
+    space: np.ndarray,
     start: int,
     stop: int,
 ) -> None:
     """Have the samples of cameras `chosen[start:stop]` meet what these may see.
 
-    `work` (len(chosen), 4) is filled, see `WORK`; `ways` (width,) float64 are the core's own, for what it is asking.
+    Boxes are told `by_walls` or by bounds. `work` (len(chosen), 4) is filled, see `WORK`; `ways` (width,) and `space`
+    (26,) float64 are the core's own, for what it is asking.
     """
     for number in range(start, stop):
         c, node, bounded, asked, boxes, tests = chosen[number], 0, 0, 0, 0, 0
         while node < len(nodes.size):
-            half = vector(nodes.half[node])
+            middle, half = vector(nodes.middle[node]), vector(nodes.half[node])
             bounded += 1
             shape = (half[0], half[1], half[2], 0.0, 0.0, 0.0)
-            seen, low, high = seen_weights(frames, c, vector(nodes.middle[node]), shape, True)
+            if by_walls:
+                seen = meets_volume(frames, walls, c, middle, half, space)
+            else:
+                seen, low, high = seen_weights(frames, c, middle, shape, True)
             if not seen:
                 node += nodes.size[node]
                 continue

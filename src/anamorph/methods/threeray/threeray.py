@@ -89,6 +89,9 @@ class Options:
     near : float
         With a map, how far from the middle the cameras see, metres; 0 takes what keeps the map within half a pixel in
         the session's first view.
+    culling : str
+        How it is told what of the tree a camera may see: by linear bounds, or by the side walls of what its rays fill,
+        as in the paper.
     """
 
     spacing: float = option(0.0, low=0.0, unit="metres")
@@ -99,6 +102,7 @@ class Options:
     detail: bool = True
     background: str = option("scene", choices=("scene", "map"))
     near: float = option(0.0, low=0.0, unit="metres")
+    culling: str = option("bounds", choices=("bounds", "walls"))
 
 
 class ThreeRayDrawing(FindingDrawing):
@@ -269,7 +273,15 @@ class ThreeRayDrawing(FindingDrawing):
         samples, materials = self._samples, self._materials
         if self._squares is None:
             self._work = yield from meet(
-                cameras, places, self._tree, self._triangles, materials, samples, shown, rectangle
+                cameras,
+                places,
+                self._tree,
+                self._triangles,
+                materials,
+                samples,
+                shown,
+                rectangle,
+                self._options.culling,
             )
         else:
             interpolate(cameras, places, samples, rectangle)

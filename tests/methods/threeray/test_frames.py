@@ -10,14 +10,15 @@ from scenes import CAMERA, SIZE, drawn, flat_mirror, open_view, scene_with, sphe
 
 from anamorph import cameras
 from anamorph.base.errors import AnamorphError
-from anamorph.frame import Status, View
+from anamorph.frame import Frame, Status, View
 from anamorph.gallery import make
 from anamorph.gallery.solids import box
 from anamorph.gallery.spheres import mirror_ball
 from anamorph.measure.errors import measure
 from anamorph.methods import Specification
+from anamorph.raymesh import RayMesh
 from anamorph.scene.geometry import flatten
-from anamorph.scene.model import Diffuse, Scene, Sky
+from anamorph.scene.model import Diffuse, Mesh, Scene, Sky
 
 REFERENCE = "raytrace:truth=raymesh"
 
@@ -149,9 +150,61 @@ def test_a_spacing_that_no_memory_holds_is_refused():
         open_view(scene_with(flat_mirror()), "threeray:spacing=1e-7")
 
 
-def test_meshes_without_an_extent_are_no_obstacle():
-    mirror = spherical_mirror(count=4)
-    (first, *others) = surroundings()
-    speck = replace(others[0], name="speck", positions=np.zeros_like(others[0].positions) + np.float32([0, 1, 2]))
-    scene = Scene("specks", (mirror, first, *others, speck), CAMERA, sky=Sky())
-    check(drawn(scene, REFERENCE), drawn(scene, "threeray"))
+def test_a_million_vertices_at_one_place_change_nothing():
+    scene, count = scene_with(spherical_mirror(count=4)), 999_999
+    place, faces = np.float32([[0.0, 1.0, 2.0]]), np.arange(count, dtype=np.int32).reshape(-1, 3)
+    normals = np.tile(np.float32([0.0, 1.0, 0.0]), (count, 1))
+    heap = Mesh("heap", np.repeat(place, count, axis=0), faces, normals, Diffuse(color=(1.0, 0.0, 0.0)))
+    frame, without = drawn(replace(scene, meshes=(*scene.meshes, heap)), "threeray"), drawn(scene, "threeray")
+    assert (frame.color == without.color).all() and (frame.status == without.status).all()
+    assert frame.figures == without.figures
+
+
+def test_many_triangles_at_one_place_are_seen_as_one():
+    scene, count = scene_with(spherical_mirror(count=4)), 5_000
+    place = np.float32([[0.1, 0.4, 0.6], [0.25, 0.4, 0.6], [0.1, 0.6, 0.6]])
+    frames = []
+    for each in (1, count):
+        faces, normals = np.arange(3 * each, dtype=np.int32).reshape(-1, 3), np.tile([[0.0, 0.0, -1.0]], (3 * each, 1))
+        pile = Mesh("pile", np.tile(place, (each, 1)), faces, normals, Diffuse(color=(1.0, 0.0, 0.0)))
+        frames.append(drawn(replace(scene, meshes=(*scene.meshes, pile)), "threeray"))
+    assert (frames[0].object_id[frames[0].specular > 0] == len(scene.meshes) + 1).sum() > 20
+    assert (frames[0].color == frames[1].color).all() and (frames[0].object_id == frames[1].object_id).all()
+
+
+def seen_by(camera: RayMesh, method: str) -> Frame:
+    """What a ray mesh sees of a mirror's scene."""
+    session = Specification.parse(method).open(View(scene_with(spherical_mirror(count=3)), camera, SIZE))
+    session.draw(camera)
+    return session.frame(seen=True)
+
+
+def fan(directions: list[list[float]], faces: list[list[int]]) -> RayMesh:
+    """Rays from one eye at the corners of the image, and one at the middle of its upper side."""
+    width, height = SIZE
+    image = np.array([[0, 0], [width, 0], [width, height], [0, height], [0.5 * width, 0]], float)
+    rays = np.array(directions)
+    eyes, good = np.tile(CAMERA.position, (len(rays), 1)), np.zeros(len(rays), np.uint8)
+    return RayMesh(np.column_stack([image, np.ones(len(image))]), eyes, rays, np.int32(faces), good)
+
+
+AHEAD = [-0.25, -0.15, -0.9]
+
+
+def test_a_camera_whose_three_rays_are_one_sees_one_point():
+    camera = fan([AHEAD, AHEAD, AHEAD, [-0.5, -0.4, -0.9], AHEAD], [[0, 1, 2], [0, 2, 3]])
+    frame, reference = seen_by(camera, "threeray"), seen_by(camera, "raytrace")
+    assert np.isfinite(frame.position).all() and np.isfinite(frame.color).all()
+    assert (frame.object_id == reference.object_id).mean() > 0.998 and (frame.status != Status.OUTSIDE).all()
+    right = np.arange(SIZE[0]) / SIZE[0] > (np.arange(SIZE[1])[:, None] + 1.0) / SIZE[1]
+    assert len(np.unique(frame.object_id[right])) == 1
+    assert np.ptp(frame.position[right], axis=0).max() < 1e-5
+
+
+def test_a_camera_without_an_area_in_the_image_sees_nothing():
+    spread = [[-0.5, 0.2, -0.9], [0.1, 0.2, -0.9], [0.1, -0.5, -0.9], [-0.5, -0.5, -0.9], [-0.2, 0.2, -0.9]]
+    # The first runs along the upper side, the second is a point.
+    with_flat = seen_by(fan(spread, [[0, 4, 1], [3, 3, 3], [0, 1, 2], [0, 2, 3]]), "threeray")
+    without = seen_by(fan(spread, [[0, 1, 2], [0, 2, 3]]), "threeray")
+    assert (with_flat.color == without.color).all() and (with_flat.object_id == without.object_id).all()
+    assert len(np.unique(without.object_id)) > 3

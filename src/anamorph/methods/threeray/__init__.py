@@ -10,6 +10,7 @@ Source: Mei, Popescu and Sacks, "A hybrid backward-forward method for interactiv
 | | each sample's own ray | `sample_rays` |
 | in place of 6 | what each sample's ray meets | `meeting` |
 | | cameras of many samples look for it | `surfels_seen` |
+| | the samples whose weights are within bounds | `sample_spans` |
 | | samples of small cameras go through the tree themselves | `packets` |
 | | the triangles that rays meet | `scene_triangles` |
 | 5.2 | with `splat`, pairs of a camera and a point that it may see | `points_seen` |

@@ -30,7 +30,8 @@ GRAIN, TILES = 8, 64
 """Cameras, and tiles, that a core takes at a time."""
 
 WORK = "nodes", "surfels", "boxes", "tests"
-"""What is counted: nodes and surfels that were bounded, surfels that may be seen, and samples that were asked."""
+"""What is counted. Nodes and surfels: those that a camera or a packet was asked of. Boxes: surfels that may be seen by
+cameras which look, while packets go by their rays alone. Tests: samples that were asked for a surfel's triangle."""
 
 
 def meet(
@@ -43,7 +44,7 @@ def meet(
     shown: np.ndarray,
     rectangle: Rectangle,
     culling: str,
-) -> Generator[None, None, dict[str, float]]:
+) -> Generator[None, None, dict[str, int]]:
     """Fill what the samples of cameras that are `shown` (K,) meet in a rectangle, in steps; returns the work's counts.
 
     The samples' owners are known; their rays are interpolated here. Boxes of the tree are told by `culling`: "bounds"
@@ -58,14 +59,13 @@ def meet(
     looks, follows = np.zeros((len(looking), len(WORK)), np.int64), np.zeros((tiles, len(WORK)), np.int64)
     nodes = tree.nodes
     if len(looking):
-        frames, by_walls = frames_of(cameras.origins, cameras.directions), culling == "walls"
-        asked = slice(None if by_walls else 0)
-        walls = walls_of(cameras.origins[asked], cameras.directions[asked])
+        frames = frames_of(cameras.origins, cameras.directions)
+        walls = walls_of(cameras.origins, cameras.directions) if culling == "walls" else None
 
         def one_by_one(start: int, stop: int) -> None:
             ways, space = np.empty(x1 - x0), np.empty(SPACE)
             look(
-                cameras, frames, walls, by_walls, places, nodes, triangles, materials, samples, looking, looks,
+                cameras, frames, walls, places, nodes, triangles, materials, samples, looking, looks,
                 ways, space, start, stop,
             )  # fmt: skip
 
@@ -78,5 +78,5 @@ def meet(
     if alone.any():
         yield from steps_over_all_cores(together, tiles, TILES)
     spent = looks.sum(axis=0) + follows.sum(axis=0)
-    counts = {"cameras": int(np.count_nonzero(shown)), "looking": len(looking)}
-    return {**counts, **dict(zip(WORK, spent.tolist(), strict=True))}
+    cameras_shown = {"cameras": int(np.count_nonzero(shown)), "looking": len(looking)}
+    return cameras_shown | dict(zip(WORK, spent.tolist(), strict=True))

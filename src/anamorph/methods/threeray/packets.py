@@ -83,7 +83,8 @@ def follow(
                     _join(packet, count, samples, c, row, column)
                     count += 1
         if count > 0:
-            work[tile, 0], work[tile, 3] = _follow(cameras, nodes, triangles, materials, packet, count)
+            work[tile, 0], work[tile, 1] = _follow(cameras, nodes, triangles, materials, packet, count)
+            work[tile, 3] = count * work[tile, 1]
         for k in range(count):
             row, column = packet.place[k, 0], packet.place[k, 1]
             samples.way[row, column], samples.triangle[row, column] = packet.way[k], packet.triangle[k]
@@ -107,12 +108,12 @@ def _join(packet: Packet, k: int, samples: Samples, c: int, row: int, column: in
 def _follow(
     cameras: Cameras, nodes: Nodes, triangles: Triangles, materials: Materials, packet: Packet, count: int
 ) -> tuple[int, int]:
-    """Have a packet go through the tree: where one ray goes, all do. Returns how many nodes and tests there were."""
+    """Have a packet go through the tree: where one ray goes, all do. Returns how many nodes and surfels were asked."""
     rays, inverse, way, ways = packet.rays, packet.inverse, packet.way[:count], packet.ways[:count]
     p_x, p_y, p_z = rays[0, :count], rays[1, :count], rays[2, :count]
     d_x, d_y, d_z = rays[3, :count], rays[4, :count], rays[5, :count]
     i_x, i_y, i_z = inverse[0, :count], inverse[1, :count], inverse[2, :count]
-    node, bounded, tests = 0, 0, 0
+    node, bounded, asked = 0, 0, 0
     while node < len(nodes.size):
         bounded += 1
         m_x, m_y, m_z = nodes.middle[node, 0], nodes.middle[node, 1], nodes.middle[node, 2]
@@ -128,7 +129,7 @@ def _follow(
             node += nodes.size[node]
             continue
         for s in range(nodes.first[node], nodes.first[node] + nodes.held[node]):
-            tests += count
+            asked += 1
             f = nodes.triangle[s]
             if meets(p_x, p_y, p_z, d_x, d_y, d_z, triangles, f, ways):
                 for k in range(count):
@@ -138,7 +139,7 @@ def _follow(
                     ):
                         way[k], packet.triangle[k] = ways[k], f
         node += 1
-    return bounded, tests
+    return bounded, asked
 
 
 @inlined

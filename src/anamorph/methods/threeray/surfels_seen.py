@@ -7,8 +7,6 @@ several the nearest along the ray. The samples of two cameras are never the same
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 
 from anamorph.base.compiled import compiled, inlined
@@ -16,23 +14,20 @@ from anamorph.base.vectors import Vector
 from anamorph.methods.threeray.cameras_seen import Cameras
 from anamorph.methods.threeray.objects import Materials
 from anamorph.methods.threeray.sample_rays import Samples
+from anamorph.methods.threeray.sample_spans import columns_within, rows_within
 from anamorph.methods.threeray.scene_triangles import Triangles, meets, stops
 from anamorph.methods.threeray.surfel_tree import Nodes
-from anamorph.raytriangle.bounds import Range, seen_weights
+from anamorph.raytriangle.bounds import seen_weights
 from anamorph.raytriangle.camera_frames import Frames, vector
 from anamorph.raytriangle.owners import Places
 from anamorph.raytriangle.walls import Walls, meets_volume
-
-MARGIN = 1e-6
-"""Samples, and weights, by which the polygon of a surfel is widened."""
 
 
 @compiled
 def look(
     cameras: Cameras,
     frames: Frames,
-    walls: Walls,
-    by_walls: bool,
+    walls: Walls | None,
     places: Places,
     nodes: Nodes,
     triangles: Triangles,
@@ -47,8 +42,9 @@ def look(
 ) -> None:
     """Have the samples of cameras `chosen[start:stop]` meet what these may see.
 
-    Boxes are told `by_walls` or by bounds. `work` (len(chosen), 4) is filled, see `WORK`; `ways` (width,) and `space`
-    (26,) float64 are the core's own, for what it is asking.
+    Boxes are told by the cameras' `walls`, or by bounds where there are none: that is compiled by itself. `work`
+    (len(chosen), 4) is filled, see `WORK`; `ways` (width,) and `space` (26,) float64 are the core's own, for what it is
+    asking.
     """
     for number in range(start, stop):
         c, node, bounded, asked, boxes, tests = chosen[number], 0, 0, 0, 0, 0
@@ -56,10 +52,10 @@ def look(
             middle, half = vector(nodes.middle[node]), vector(nodes.half[node])
             bounded += 1
             shape = (half[0], half[1], half[2], 0.0, 0.0, 0.0)
-            if by_walls:
-                seen = meets_volume(frames, walls, c, middle, half, space)
-            else:
+            if walls is None:
                 seen, low, high = seen_weights(frames, c, middle, shape, True)
+            else:
+                seen = meets_volume(frames, walls, c, middle, half, space)
             if not seen:
                 node += nodes.size[node]
                 continue
@@ -77,35 +73,6 @@ def look(
 
 
 @inlined
-def _rows_of(image: np.ndarray, low: Vector, high: Vector, first: int, last: int) -> Range:
-    """The rows, from the image's first on, between which weights within bounds may be; of all if behind the eye."""
-    if min(image[0, 2], image[1, 2], image[2, 2]) <= 0.0:
-        return float(first), float(last)
-    least, most = math.inf, -math.inf
-    for free in range(3):
-        one, other = (free + 1) % 3, (free + 2) % 3
-        for ends in range(4):
-            w_one = high[one] if ends & 1 else low[one]
-            w_other = high[other] if ends & 2 else low[other]
-            w_free = 1.0 - w_one - w_other
-            if low[free] - MARGIN <= w_free <= high[free] + MARGIN:
-                y = w_one * image[one, 1] + w_other * image[other, 1] + w_free * image[free, 1]
-                y /= w_one * image[one, 2] + w_other * image[other, 2] + w_free * image[free, 2]
-                least, most = min(least, y), max(most, y)
-    return max(least - MARGIN, float(first)), min(most + MARGIN, float(last))
-
-
-@inlined
-def _cut(slope: float, value: float, left: float, right: float) -> Range:
-    """Where between left and right slope x + value is not negative."""
-    if slope > 0.0:
-        return max(left, -value / slope), right
-    if slope < 0.0:
-        return left, min(right, -value / slope)
-    return (left, right) if value >= 0.0 else (right + 1.0, right)
-
-
-@inlined
 def _meet_within(
     cameras: Cameras,
     places: Places,
@@ -119,26 +86,14 @@ def _meet_within(
     ways: np.ndarray,
 ) -> int:
     """Have a triangle met by the samples of a camera whose weights are within bounds; returns how many were asked."""
-    x0, y0, last_x, last_y = places.box[c, 0], places.box[c, 1], places.box[c, 2] - 1, places.box[c, 3] - 1
-    least, most = _rows_of(cameras.image[c], low, high, y0, last_y)
-    if not least <= most:
-        return 0
-    w = places.weights[c]
-    sum_x, sum_y, sum_1 = w[0, 0] + w[1, 0] + w[2, 0], w[0, 1] + w[1, 1] + w[2, 1], w[0, 2] + w[1, 2] + w[2, 2]
+    x0, y0, x1, y1 = places.box[c, 0], places.box[c, 1], places.box[c, 2], places.box[c, 3]
     tests = 0
-    for row in range(math.ceil(least), math.floor(most) + 1):
-        y = float(row - y0)
-        total = sum_y * y + sum_1
-        left, right = 0.0, float(last_x - x0)
-        for i in range(3):
-            at = w[i, 1] * y + w[i, 2]
-            left, right = _cut(w[i, 0] - low[i] * sum_x, at - low[i] * total, left, right)
-            if high[i] < 1.0:
-                left, right = _cut(high[i] * sum_x - w[i, 0], high[i] * total - at, left, right)
-        if left <= right:
-            first, last = max(0, math.ceil(left - MARGIN)), min(last_x - x0, math.floor(right + MARGIN))
-            _meet_span(cameras, triangles, materials, samples, c, f, row, x0 + first, x0 + last + 1, ways)
-            tests += last - first + 1
+    first, stop = rows_within(cameras.image[c], low, high, y0, y1)
+    for row in range(first, stop):
+        left, right = columns_within(places.weights[c], row - y0, low, high, x1 - x0)
+        if left < right:
+            _meet_span(cameras, triangles, materials, samples, c, f, row, x0 + left, x0 + right, ways)
+            tests += right - left
     return tests
 
 

@@ -7,6 +7,7 @@ met by the rays of its pixels. No ray is cast but where a path goes on from one 
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Generator, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
@@ -127,7 +128,7 @@ class ThreeRayDrawing(FindingDrawing):
         self._squares: Squares | None = None
         if options.splat:
             self._squares = Squares(stage, self.visibility, self._materials, self._tree, options.splat, options.detail)
-        self._work: dict[str, float] = {}
+        self._work = Counter[str]()
 
     def _corners(self) -> np.ndarray:
         return np.asarray(self.stage.geometry.positions, float)[self.stage.geometry.faces]
@@ -201,6 +202,7 @@ class ThreeRayDrawing(FindingDrawing):
     ) -> Generator[None, None, wgpu.GPUCommandEncoder]:
         """Find what each sample's ray meets, in steps, and upload where the paths end."""
         self.visibility.show(None)
+        self._work.clear()
         side = self.visibility.side
         rectangle: Rectangle = (0, 0, *self.visibility.size)
         if isinstance(camera, RayMesh):
@@ -272,17 +274,11 @@ class ThreeRayDrawing(FindingDrawing):
         shown[chosen] = True
         samples, materials = self._samples, self._materials
         if self._squares is None:
-            self._work = yield from meet(
-                cameras,
-                places,
-                self._tree,
-                self._triangles,
-                materials,
-                samples,
-                shown,
-                rectangle,
+            work = yield from meet(
+                cameras, places, self._tree, self._triangles, materials, samples, shown, rectangle,
                 self._options.culling,
-            )
+            )  # fmt: skip
+            self._work.update(work)
         else:
             interpolate(cameras, places, samples, rectangle)
         eye = np.asarray(camera.position) if isinstance(camera, Camera) else None
@@ -334,9 +330,11 @@ class ThreeRayDrawing(FindingDrawing):
             self._hiding.draw(encoder, nearest, depth, (x0, y0, x1, y1), self.projection, self.stage.buffers)
 
     def figures(self) -> dict[str, float]:
-        """How many cameras the last frame had, nodes they were shown, surfels bounded, seen, and met by samples; with
-        `splat`, what `Squares` tells."""
-        return self._work if self._squares is None else self._squares.figures()
+        """What finding the last frame took: its cameras, those of them that looked, and `meeting.WORK`.
+
+        Over all lines of light; what was traced is not counted. With `splat`, what `Squares` tells.
+        """
+        return dict(self._work) if self._squares is None else self._squares.figures()
 
     def diagnostics(self) -> Mapping[str, Any]:
         """The tree over the surfels."""

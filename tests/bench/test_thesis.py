@@ -13,6 +13,8 @@ from hypothesis import strategies as st
 from PIL import Image
 
 from anamorph.base.errors import AnamorphError
+from anamorph.bench.crossover import crossings, crossovers
+from anamorph.bench.moving import camera_path, open_sessions, time_methods
 from anamorph.bench.thesis import benchmark, plots, printed
 from anamorph.bench.thesis.benchmark import CLIPPED_STRAIGHT, PARTS, QUICK, Results, measure_thesis, write_results
 from anamorph.bench.thesis.cases import cases, frames_for
@@ -23,9 +25,7 @@ from anamorph.bench.thesis.configurations import (
     configuration_scene,
     measure_tessellation,
 )
-from anamorph.bench.thesis.crossover import crossings, crossovers
 from anamorph.bench.thesis.curves import clip_plots, random_plots, tessellation_plots
-from anamorph.bench.thesis.moving import camera_path, open_sessions, time_methods
 from anamorph.bench.thesis.printed import TESSELLATION, configurations, random_table, rows
 from anamorph.bench.thesis.random_scene import RADIUS, random_ray_mesh, random_triangles
 from anamorph.bench.thesis.summary import exact_over_straight, summary_tables
@@ -36,6 +36,7 @@ from anamorph.methods import Specification
 from anamorph.methods.trilinear.straight import project_triangle
 
 SIZE = (48, 48)
+FIXED = ("roughness", "pixels_a_ray_triangle")
 TRACER = Specification.parse("raytrace")
 STAND_IN = TRACER.with_options(bounces=1)
 """A second method that draws the same, at the same cost."""
@@ -126,12 +127,12 @@ def test_what_a_method_cannot_draw_is_told_and_not_timed(monkeypatch):
         monkeypatch.setattr(sessions[STAND_IN], "draw", refuse.__get__(sessions[STAND_IN]), raising=False)
         return sessions
 
-    monkeypatch.setattr("anamorph.bench.thesis.moving.open_sessions", opened)
+    monkeypatch.setattr("anamorph.bench.moving.open_sessions", opened)
     row = time_random([Place(48, 3, 1)], (TRACER, STAND_IN), 1)[1]
     assert row.ms is None and row.refusal == "scene: too large"
     times = time_methods(random_triangles(2, rays), rays, SIZE, (TRACER, STAND_IN), 1)
     assert tuple(times.timings) == (TRACER,) and tuple(times.refusals) == (STAND_IN,)
-    assert crossovers([time("raytrace", 2.0), time(ms=1.0), row], "scene_triangles") == []
+    assert crossovers([time("raytrace", 2.0), time(ms=1.0), row], "scene_triangles", FIXED) == []
 
 
 def test_the_printed_figures_are_whole():
@@ -191,7 +192,9 @@ def test_the_crossover_lies_where_the_winner_changes(speeds):
 def test_a_power_law_crosses_where_it_must_and_words_say_on_which_side():
     def line(law):
         made = [time("raytrace", law(count), count=count) for count in (10, 100, 1000)]
-        return crossovers([*made, *(time(ms=1.0, count=count) for count in (10, 100, 1000))], "scene_triangles")[0]
+        return crossovers([*made, *(time(ms=1.0, count=count) for count in (10, 100, 1000))], "scene_triangles", FIXED)[
+            0
+        ]
 
     falling, rising = line(lambda n: 250.0 / n), line(lambda n: n / 30.0)
     assert falling.place == pytest.approx(250.0) and falling.told() == "above 250"

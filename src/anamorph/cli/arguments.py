@@ -39,6 +39,7 @@ EXAMPLES = """examples:
   anamorph turntable model.glb -o frames --frames 36 --size 800x600 --samples 2
   anamorph bench deforming
   anamorph bench trilinear --output times
+  anamorph bench threeray --part frames
   anamorph demo
 """
 
@@ -198,14 +199,16 @@ def make_parser() -> argparse.ArgumentParser:
     editing = benchmark("editing", "time a step of a slider in scenes of up to a million triangles")
     editing.add_argument("--size", metavar="WxH", type=_size, help=size)
     editing.add_argument("--steps", metavar="N", type=_timed_frames, default=9, help="how many are timed (9)")
-    trilinear = benchmark("trilinear", "make the measurements of Vallance's thesis again")
-    trilinear.add_argument(
-        "--output", metavar="DIR", type=Path, default=Path("bench-output"), help="tables and plots (bench-output)"
-    )
-    trilinear.add_argument("--quick", action="store_true", help="small images and scenes: does it work?")
-    trilinear.add_argument(
-        "--part", metavar="PART", action="append", help="random, clipping, configurations, ...; may be repeated (all)"
-    )
+    papers = {
+        "trilinear": ("make the measurements of Vallance's thesis again", "random, clipping, configurations, ..."),
+        "threeray": ("make the measurements of Mei, Popescu and Sacks again", "trees, frames or growth"),
+    }
+    for name, (about, parts) in papers.items():
+        again = benchmark(name, about)
+        folder = Path("bench-output")
+        again.add_argument("--output", metavar="DIR", type=Path, default=folder, help=f"tables and plots ({folder})")
+        again.add_argument("--quick", action="store_true", help="small images and scenes: does it work?")
+        again.add_argument("--part", metavar="PART", action="append", help=f"{parts}; may be repeated (all)")
 
     for added in (render, compare, view, turntable):
         add_cad_options(added)

@@ -222,6 +222,21 @@ def _bench_trilinear(arguments: argparse.Namespace) -> None:
         print(f"anamorph: note: no plots without matplotlib; pip install '{INSTALL}'", file=sys.stderr)
 
 
+def _bench_threeray(arguments: argparse.Namespace) -> None:
+    from anamorph.bench.hybrid.hybrid_tables import six_scene_tables, write_six_scenes
+    from anamorph.bench.hybrid.six_scenes import FULL, PARTS, QUICK, measure_six_scenes
+    from anamorph.measure.table import print_table
+
+    check_directory(arguments.output)
+    with progress_bar("timing three-ray cameras") as report:
+        amount = QUICK if arguments.quick else FULL
+        results = measure_six_scenes(arguments.method or (), amount, arguments.part or PARTS, report)
+    written = write_six_scenes(results, arguments.output)
+    for table in six_scene_tables(results):
+        print_table(table)
+    print(f"{len(written)} files are in {arguments.output}")
+
+
 def _scenes(arguments: argparse.Namespace) -> None:
     from anamorph.gallery import SCENES
 
@@ -283,6 +298,7 @@ COMMANDS = {
     "bench choice": _bench_choice,
     "bench deforming": _bench_deforming,
     "bench editing": _bench_editing,
+    "bench threeray": _bench_threeray,
     "bench trilinear": _bench_trilinear,
     "scenes": _scenes,
     "info": _info,

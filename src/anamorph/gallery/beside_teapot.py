@@ -1,7 +1,8 @@
 """A mirror teapot of about 4,000 triangles in a hall, and beside it one of six sculptures.
 
 After the scenes by which Mei, Popescu and Sacks, "A hybrid backward-forward method for interactive reflections" (2007),
-measure; their objects were scanned. Ours are sculpted, and have as many vertices.
+measure; their objects were scanned. Ours are sculpted, of as many triangles as
+the paper's have points: each triangle is a surfel.
 """
 
 from __future__ import annotations
@@ -25,10 +26,10 @@ PATCH_VERTICES = 9
 
 @dataclass(frozen=True)
 class Beside:
-    """A sculpture beside the pot: how many vertices it has, its scale, where (x, z) it stands, and degrees turned."""
+    """A sculpture beside the pot: how many triangles it has, its scale, where (x, z) it stands, and degrees turned."""
 
     sculpture: Callable[[], Sculpture]
-    vertices: int
+    triangles: int
     scale: float
     place: tuple[float, float]
     turn: float
@@ -45,10 +46,10 @@ OBJECTS = {
 """By the names that the paper gives its scenes."""
 
 
-def beside_teapot(name: str, vertices: int | None = None) -> Scene:
-    """The pot with the object of that name in `OBJECTS`, sculpted in its own number of vertices or another one."""
+def beside_teapot(name: str, triangles: int | None = None) -> Scene:
+    """The pot with the object of that name in `OBJECTS`, sculpted in its own number of triangles or another one."""
     beside = OBJECTS[name]
-    solid, (x, z) = _solid(beside.sculpture, vertices or beside.vertices), beside.place
+    solid, (x, z) = _solid(beside.sculpture, triangles or beside.triangles), beside.place
     placed = replace(solid, positions=beside.scale * solid.positions).turned(beside.turn).moved(x, -0.5, z)
     return in_hall(name, placed.mesh(name, Diffuse(color=(1.0, 1.0, 1.0))))
 
@@ -69,5 +70,5 @@ def in_hall(name: str, *objects: Mesh, camera: Camera | None = None) -> Scene:
 
 
 @cache
-def _solid(sculpture: Callable[[], Sculpture], vertices: int) -> Solid:
-    return sculpted(sculpture(), vertices)
+def _solid(sculpture: Callable[[], Sculpture], triangles: int) -> Solid:
+    return sculpted(sculpture(), triangles)

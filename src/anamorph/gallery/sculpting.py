@@ -31,7 +31,7 @@ HALVINGS = 4
 COARSE = 40
 """Cubes along the longest side of a sculpture when it is first looked at."""
 CLOSE, REFINED, TRIES = 0.02, 16, 6
-"""How near the number of vertices has to be to what is wanted, by how much it grows at once, and how often."""
+"""How near the number of triangles has to be to what is wanted, by how much it grows at once, and how often."""
 TOGETHER = 1024
 """Points that are looked at together: lumps far from all of them are left out."""
 FAR = 12.0
@@ -161,15 +161,15 @@ def mirrored(lump: Lump) -> Lump:
     return Lump(lambda points: lump.distance(np.column_stack([np.abs(points[:, 0]), points[:, 1:]])), lump.color, box)
 
 
-def sculpted(sculpture: Sculpture, vertices: int) -> Solid:
-    """The closed surface of a sculpture in triangles, with about so many vertices."""
+def sculpted(sculpture: Sculpture, triangles: int) -> Solid:
+    """The closed surface of a sculpture in about so many triangles."""
     cell = float(np.ptp([sculpture.low, sculpture.high], axis=0).max()) / COARSE
     positions, faces = surface_net(sculpture, cell)
     for _ in range(TRIES):
         # The number of cubes along a surface goes with the square of their fineness, nearly.
-        cell *= np.sqrt(len(positions) / min(vertices, REFINED * len(positions)))
+        cell *= np.sqrt(len(faces) / min(triangles, REFINED * len(faces)))
         positions, faces = surface_net(sculpture, cell)
-        if abs(len(positions) / vertices - 1.0) < CLOSE:
+        if abs(len(faces) / triangles - 1.0) < CLOSE:
             break
     a, b, c = np.moveaxis(positions[faces], 1, 0)
     normals = np.zeros_like(positions)

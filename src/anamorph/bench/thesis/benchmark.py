@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import csv
-import io
 from collections.abc import Callable, Sequence
-from dataclasses import astuple, dataclass, field, fields
+from dataclasses import dataclass, field
 from itertools import count
 from pathlib import Path
 from typing import Any
@@ -14,6 +12,7 @@ from anamorph.base.compiled import cores
 from anamorph.base.errors import AnamorphError, nearest
 from anamorph.base.output import save_text
 from anamorph.base.progress import Report
+from anamorph.bench.crossover import Crossover, crossovers
 from anamorph.bench.thesis.cases import CaseTime, cases, time_cases
 from anamorph.bench.thesis.configurations import (
     EXACT,
@@ -23,7 +22,6 @@ from anamorph.bench.thesis.configurations import (
     measure_tessellation,
     time_configurations,
 )
-from anamorph.bench.thesis.crossover import Crossover, crossovers
 from anamorph.bench.thesis.curves import (
     Plot,
     clip_plots,
@@ -44,6 +42,7 @@ from anamorph.bench.thesis.printed import (
     configurations,
 )
 from anamorph.bench.thesis.sweeps import Place, RandomTime, clip_lines, lines_through, time_random
+from anamorph.bench.written import as_csv
 from anamorph.gpu.device import adapter_name
 from anamorph.methods import Specification
 
@@ -121,7 +120,11 @@ class Results:
     @property
     def crossovers(self) -> list[Crossover]:
         """Along pixels a ray triangle, then along scene triangles."""
-        return [*crossovers(self.growth, "pixels_a_ray_triangle"), *crossovers(self.growth, "scene_triangles")]
+        rays, scene = "pixels_a_ray_triangle", "scene_triangles"
+        return [
+            *crossovers(self.growth, rays, ("roughness", scene)),
+            *crossovers(self.growth, scene, ("roughness", rays)),
+        ]
 
 
 def measure_thesis(
@@ -169,7 +172,7 @@ def write_results(results: Results, directory: Path) -> list[Path]:
     for name, rows in _tables(results).items():
         if rows:
             written.append(directory / f"{name}.csv")
-            save_text(written[-1], _csv(rows, results))
+            save_text(written[-1], as_csv(rows, results.adapter, results.cores))
     for plot in _plots(results) if can_plot() else ():
         written.append(directory / f"{plot.name}.png")
         save_plot(written[-1], plot.title, plot.panels)
@@ -193,16 +196,6 @@ def _tables(results: Results) -> dict[str, list]:
         "growth": results.growth,
         "table-8-1": results.cases,
     }
-
-
-def _csv(rows: Sequence[Any], results: Results) -> str:
-    text = io.StringIO()
-    writer = csv.writer(text, lineterminator="\n")
-    writer.writerow([*(column.name for column in fields(rows[0])), "adapter", "cores"])
-    for row in rows:
-        cells = (f"{value:.6g}" if isinstance(value, float) else value for value in astuple(row))
-        writer.writerow([*cells, results.adapter, results.cores])
-    return text.getvalue()
 
 
 def _plots(results: Results) -> list[Plot]:

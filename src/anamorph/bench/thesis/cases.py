@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from anamorph.base.steps import drain
-from anamorph.bench.thesis.moving import open_sessions, time_methods
+from anamorph.bench.moving import open_sessions, time_methods
 from anamorph.bench.thesis.printed import COMPETITOR, rows
 from anamorph.cameras import detail_and_context, inward_sphere, multi_perspective, refracting_plane
 from anamorph.frame import View

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from anamorph.bench.thesis.moving import time_methods
+from anamorph.bench.moving import time_methods
 from anamorph.bench.thesis.printed import (
     COMPETITOR,
     RAY_TRACING_CONFIGURATIONS,

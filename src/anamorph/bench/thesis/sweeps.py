@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 
-from anamorph.bench.thesis.moving import Times, time_methods
+from anamorph.bench.moving import Times, time_methods
 from anamorph.bench.thesis.printed import printed, random_table
 from anamorph.bench.thesis.random_scene import random_ray_mesh, random_triangles
 from anamorph.methods import Specification

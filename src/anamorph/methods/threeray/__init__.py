@@ -27,4 +27,5 @@ Which samples each camera owns, what it may see, bounded linearly (in place of 5
 (5.1) is in `anamorph.raytriangle`: `owners`, `bounds`, and `seen_once` and `sees_once`.
 """
 
+from anamorph.methods.threeray.surfel_tree import make_tree as make_tree
 from anamorph.methods.threeray.threeray import METHOD as METHOD

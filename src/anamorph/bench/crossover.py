@@ -1,14 +1,23 @@
-"""Where tracing becomes the faster way: from what number of pixels a ray triangle, and of scene triangles."""
+"""Where tracing becomes the faster way, along one axis of what was measured with all else fixed."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any, Protocol
 
 import numpy as np
 
-from anamorph.bench.thesis.printed import COMPETITOR
-from anamorph.bench.thesis.sweeps import RandomTime
+from anamorph.measure.compare import COMPETITOR
+
+
+class Timed(Protocol):
+    """What a frame takes by a method, milliseconds; None where it could not be drawn."""
+
+    @property
+    def method(self) -> str: ...
+    @property
+    def ms(self) -> float | None: ...
 
 
 @dataclass(frozen=True)
@@ -18,16 +27,15 @@ class Crossover:
     Parameters
     ----------
     method : str
-    fixed : tuple of (str, float)
+    fixed : tuple of (str, value)
         What is the same along the line.
     axis : str
-        `pixels_a_ray_triangle` or `scene_triangles`.
     values, speeds : tuple of float
         Along the axis, ascending: how many frames the method draws while the tracer draws one.
     """
 
     method: str
-    fixed: tuple[tuple[str, float], ...]
+    fixed: tuple[tuple[str, Any], ...]
     axis: str
     values: tuple[float, ...]
     speeds: tuple[float, ...]
@@ -57,21 +65,29 @@ def crossings(values: Sequence[float], speeds: Sequence[float]) -> list[float]:
     return found
 
 
-def crossovers(rows: Sequence[RandomTime], axis: str) -> list[Crossover]:
-    """All lines along an axis, in every method but the tracer."""
-    other = "scene_triangles" if axis == "pixels_a_ray_triangle" else "pixels_a_ray_triangle"
-    places: dict[tuple[float, float, float], dict[str, float]] = {}
+def crossovers(rows: Sequence[Timed], axis: str, fixed: Sequence[str]) -> list[Crossover]:
+    """All lines of `rows` along an axis, in every method but the tracer.
+
+    Parameters
+    ----------
+    rows : sequence
+        With the attributes `axis` and `fixed`.
+    axis : str
+        What changes along a line.
+    fixed : sequence of str
+        What does not.
+    """
+    places: dict[tuple[Any, ...], dict[str, float]] = {}
     for row in rows:
-        key = (row.roughness, getattr(row, other), getattr(row, axis))
         if row.ms:
-            places.setdefault(key, {})[row.method] = row.ms
-    lines: dict[tuple[str, float, float], list[tuple[float, float]]] = {}
-    for (roughness, fixed, value), times in sorted(places.items()):
+            places.setdefault(tuple(getattr(row, name) for name in (*fixed, axis)), {})[row.method] = row.ms
+    lines: dict[tuple[Any, ...], list[tuple[float, float]]] = {}
+    for (*same, value), times in sorted(places.items()):
         for method, ms in times.items():
             if method != COMPETITOR and COMPETITOR in times:
-                lines.setdefault((method, roughness, fixed), []).append((value, times[COMPETITOR] / ms))
+                lines.setdefault((method, *same), []).append((value, times[COMPETITOR] / ms))
     return [
-        Crossover(method, (("roughness", roughness), (other, fixed)), axis, *zip(*line, strict=True))
-        for (method, roughness, fixed), line in lines.items()
+        Crossover(method, tuple(zip(fixed, same, strict=True)), axis, *zip(*line, strict=True))
+        for (method, *same), line in lines.items()
         if len(line) > 1
     ]

@@ -39,9 +39,10 @@ def open_sessions(view: View, methods: Iterable[Specification]) -> dict[Specific
 
 @dataclass(frozen=True)
 class Times:
-    """What a frame takes by each method, milliseconds, and why some could not draw it."""
+    """What a frame takes by each method, milliseconds, its session, and why some could not draw it."""
 
     timings: dict[Specification, Timing]
+    sessions: dict[Specification, Session]
     refusals: dict[Specification, str]
 
 
@@ -57,4 +58,4 @@ def time_methods(
         except AnamorphError as error:
             refusals[method] = str(error)
             del sessions[method]
-    return Times(drain(timing_rounds(sessions, camera_path(view, frames), frames)), refusals)
+    return Times(drain(timing_rounds(sessions, camera_path(view, frames), frames)), sessions, refusals)

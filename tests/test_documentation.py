@@ -146,12 +146,17 @@ def test_every_image_is_shown_and_all_are_small():
         assert sum(size for image, size in sizes.items() if image.parent == folder) < 1_200_000
 
 
-def test_the_papers_figures_are_all_there_each_with_its_section_and_module():
-    text = (ROOT / "docs" / "pvrr.md").read_text()
+PAPERS = {"pvrr": (range(3, 17), "figure-{:02}.webp"), "threeray": (range(2, 7), "figure-{}.webp")}
+"""Pages of figures of papers: which figures, and the names of their images."""
+
+
+@pytest.mark.parametrize("page", PAPERS)
+def test_the_papers_figures_are_all_there_each_with_its_section_and_module(page):
+    text, (numbers, image) = (ROOT / "docs" / f"{page}.md").read_text(), PAPERS[page]
     parts = {int(number): part for number, part in re.findall(r"^## Figure (\d+):(.*?)(?=^## |\Z)", text, re.M | re.S)}
-    assert sorted(parts) == list(range(3, 17))
+    assert sorted(parts) == list(numbers)
     for number, part in parts.items():
-        assert f"(images/pvrr/figure-{number:02}.webp)" in part
+        assert f"(images/{page}/{image.format(number)})" in part
         assert re.search(r"^Sections? \d", part, re.M) and "(../src/anamorph/" in part
 
 
@@ -192,8 +197,9 @@ def test_the_lens_of_the_figure_of_dispersion_takes_the_place_of_its_scenes_lens
     assert "1.600, 1.606, 1.620" in words
 
 
-def test_the_script_knows_every_figure_of_the_page(figures):
-    assert sorted(runpy.run_path(str(ROOT / "docs" / "make_pvrr.py"))["FIGURES"]) == list(range(3, 17))
+@pytest.mark.parametrize("page", PAPERS)
+def test_the_script_knows_every_figure_of_the_page(figures, page):
+    assert sorted(runpy.run_path(str(ROOT / "docs" / f"make_{page}.py"))["FIGURES"]) == list(PAPERS[page][0])
 
 
 @pytest.fixture

@@ -50,6 +50,10 @@ def _beside(ours: float | None, theirs: float | None) -> str:
     return number(ours) if theirs is None else f"{number(ours)} ({number(theirs)})"
 
 
+def _over(theirs: float | None, ours: float | None) -> str:
+    return number(theirs / ours if theirs and ours else None)
+
+
 def _tree_table(rows: list[TreeTime], machine: str) -> Table:
     table = headed(
         "Table 1: making the tree",
@@ -70,11 +74,11 @@ def _tree_table(rows: list[TreeTime], machine: str) -> Table:
 def _frame_table(title: str, rows: list[SceneTime], machine: str) -> Table:
     table = headed(
         title,
-        f"{machine}; '-': has no such phase, or could not be drawn; {PRINTED}",
+        f"{machine}; '-': has no such phase, or could not be drawn; CPU time is that of all threads; {PRINTED}",
         "scene", "size", "method", "triangles", "pixels a camera", "whole frame", f"{COMPETITOR}'s",
-        "times as fast", "culling", "projection", "valid, %", words=3,
+        "times as fast", "by CPU time", "culling", "projection", "valid, %", words=3,
     )  # fmt: skip
-    tracers = {(row.scene, row.width): row.ms for row in rows if row.method == COMPETITOR}
+    tracers = {(row.scene, row.width): row for row in rows if row.method == COMPETITOR}
     for row in rows:
         tracer = tracers[row.scene, row.width]
         if row.method == COMPETITOR:
@@ -86,8 +90,8 @@ def _frame_table(title: str, rows: list[SceneTime], machine: str) -> Table:
         )
         table.add_row(
             row.scene, f"{row.width} x {row.height}", Text(row.method), f"{row.triangles:,}",
-            number(row.pixels_a_camera), _beside(row.ms, row.printed_ms), number(tracer),
-            number(tracer / row.ms if row.ms and tracer else None), *phases,
+            number(row.pixels_a_camera), _beside(row.ms, row.printed_ms), number(tracer.ms),
+            _over(tracer.ms, row.ms), _over(tracer.cpu_ms, row.cpu_ms), *phases,
         )  # fmt: skip
     return table
 

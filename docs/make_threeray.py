@@ -12,6 +12,7 @@ from figures.panels import Panel, save
 IMAGES = Path(__file__).resolve().parent / "images" / "threeray"
 
 FIGURES: dict[int, Callable[[], list[list[Panel]]]] = {
+    1: beside_teapot.points,
     2: beside_teapot.environment,
     3: three_rays.glass,
     4: three_rays.sweeping,

@@ -146,7 +146,7 @@ def test_every_image_is_shown_and_all_are_small():
         assert sum(size for image, size in sizes.items() if image.parent == folder) < 1_200_000
 
 
-PAPERS = {"pvrr": (range(3, 17), "figure-{:02}.webp"), "threeray": (range(2, 7), "figure-{}.webp")}
+PAPERS = {"pvrr": (range(3, 17), "figure-{:02}.webp"), "threeray": (range(1, 7), "figure-{}.webp")}
 """Pages of figures of papers: which figures, and the names of their images."""
 
 

@@ -8,7 +8,7 @@ from figures.comparing import number, p95_of_things
 from figures.panels import HALF, Panel, cropped, draw
 
 import anamorph as an
-from anamorph.gallery.animals import bunny, dragon
+from anamorph.gallery.animals import bunny, dinosaur, dragon
 from anamorph.gallery.beside_teapot import OBJECTS, beside_teapot, in_hall
 from anamorph.gallery.sculpting import Sculpture, sculpted
 from anamorph.measure.errors import measure
@@ -16,16 +16,25 @@ from anamorph.measure.errors import measure
 THIRD = (313, 235)
 LARGE = (960, 720)
 OURS, TRUTH, MAP = "threeray", "raytrace", "environment"
-TRIANGLES = 60_000
+SQUARES = "threeray:spacing=1,detail=false,splat="
+"""The paper's own way: each triangle is smaller than the spacing, and gives one point."""
+TRIANGLES = 37_000
 """Of sculptures that are not those of the six scenes."""
+FEW = 2_500
+"""Triangles of a sculpture whose points are to be seen."""
 
 
 def placed(
-    sculpture: Sculpture, name: str, place: tuple[float, float, float], turn: float, scale: float, tilt: float = 0.0
+    sculpture: Sculpture,
+    name: str,
+    place: tuple[float, float, float],
+    turn: float,
+    scale: float,
+    triangles: int = TRIANGLES,
 ) -> an.Mesh:
-    """A sculpture in the hall: tilted forward and then turned, by degrees."""
-    solid = sculpted(sculpture, TRIANGLES)
-    turned = replace(solid, positions=scale * solid.positions).turned(tilt, 0).turned(turn)
+    """A sculpture in the hall, turned by degrees."""
+    solid = sculpted(sculpture, triangles)
+    turned = replace(solid, positions=scale * solid.positions).turned(turn)
     return turned.moved(*place).mesh(name, an.Diffuse((1.0, 1.0, 1.0)))
 
 
@@ -45,6 +54,36 @@ def compared(scene: an.Scene, box: tuple[int, int, int, int], methods: dict[str,
         panels.append(Panel(cropped(image, box, THIRD, smooth=True), f"{words}\n{errors(scene, method)}"))
     image = draw(scene, f"{TRUTH}:antialias=4", LARGE, 1)
     return [*panels, Panel(cropped(image, box, THIRD, smooth=True), "truth")]
+
+
+def points() -> list[list[Panel]]:
+    """Figure 1: reflections of objects, and the points that draw them."""
+
+    def scene(triangles: int) -> an.Scene:
+        return in_hall(
+            "dinosaur and bunny",
+            placed(dinosaur(), "dinosaur", (-0.66, -0.5, 0.74), 80.0, 0.62, triangles),
+            placed(bunny(), "bunny", (0.60, -0.5, 0.72), -35.0, 0.62, triangles),
+        )
+
+    many, few = scene(TRIANGLES), scene(FEW)
+    whole, part = (200, 150, 760, 570), (325, 345, 493, 471)
+
+    def shown(each: an.Scene, method: str, box: tuple[int, int, int, int], words: str) -> Panel:
+        return Panel(cropped(draw(each, method, LARGE, 1), box, THIRD, smooth=box is whole), words)
+
+    return [
+        [
+            shown(many, f"{SQUARES}2", whole, f"{2 * TRIANGLES:,} points as squares of 2 px"),
+            shown(many, OURS, whole, "met by the cameras' rays"),
+            shown(many, TRUTH, whole, "truth"),
+        ],
+        [
+            shown(few, f"{SQUARES}1", part, f"{2 * FEW:,} points as squares of 1 px"),
+            shown(many, f"{SQUARES}1", part, f"{2 * TRIANGLES:,} points"),
+            shown(many, OURS, part, "met by the cameras' rays"),
+        ],
+    ]
 
 
 def environment() -> list[list[Panel]]:

@@ -10,7 +10,7 @@ import pytest
 from anamorph.base.errors import AnamorphError
 from anamorph.bench.hybrid import six_scenes
 from anamorph.bench.hybrid.hybrid_tables import six_scene_tables, write_six_scenes
-from anamorph.bench.hybrid.six_scenes import Amount, SixScenes, depths, measure_six_scenes, printed
+from anamorph.bench.hybrid.six_scenes import PAPERS, Amount, SixScenes, depths, measure_six_scenes, printed
 from anamorph.cli import commands as cli
 from anamorph.gallery.beside_teapot import OBJECTS
 from anamorph.methods import Specification
@@ -53,10 +53,13 @@ def test_the_tables_have_the_papers_rows_beside_ours(results, tmp_path):
     assert int(tree["points"]) > 500 and 1.0 <= float(tree["points_a_leaf"]) <= 8.0
     assert float(tree["depth"]) == pytest.approx(np.log2(int(tree["points"]) / float(tree["points_a_leaf"])), abs=1.0)
     by_method = {row["method"]: row for row in tables["table-2"]}
-    assert list(by_method) == ["raytrace", "threeray", "environment"]
-    assert by_method["threeray"]["printed_ms"] == "48" and by_method["raytrace"]["printed_ms"] == ""
+    assert list(by_method) == ["raytrace", "threeray", str(PAPERS), "environment"]
+    assert [row["printed_ms"] for row in by_method.values()] == ["", "", "48", ""]
+    phases = by_method[str(PAPERS)]
+    assert float(phases["culling_ms"]) > 0.0 and 0.0 < float(phases["valid_percent"]) <= 100.0
+    assert float(phases["culling_ms"]) + float(phases["projection_ms"]) == pytest.approx(float(phases["ms"]), rel=1e-4)
     assert all(float(row["ms"]) > 0.0 and int(row["cores"]) == results.cores for row in tables["growth"])
-    assert [row["printed_ms"] for row in tables["growth"] if row["width"] == "24"] == ["", "", ""]
+    assert [row["printed_ms"] for row in tables["growth"] if row["width"] == "24"] == ["", "", "", ""]
     pixels = {row["width"]: int(row["pixels"]) for row in tables["growth"]}
     assert pixels["48"] == pytest.approx(4 * pixels["24"], rel=0.2)
 
@@ -65,9 +68,8 @@ def test_the_summary_says_what_was_measured_and_where_tracing_wins(results):
     titles = [str(table.title) for table in six_scene_tables(results)]
     assert [title.split(":")[0] for title in titles] == ["Table 1", "Table 2", "Growth with the image", "Crossover"]
     lines = results.crossovers
-    assert {(line.method, line.axis) for line in lines} == {
-        ("threeray", "pixels_a_camera"), ("environment", "pixels_a_camera"),
-    }  # fmt: skip
+    assert [line.method for line in lines] == ["threeray", str(PAPERS), "environment"]
+    assert {line.axis for line in lines} == {"pixels_a_camera"}
     assert six_scene_tables(SixScenes("", 1)) == []
 
 

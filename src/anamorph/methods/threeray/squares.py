@@ -11,6 +11,7 @@ sweeping triangle, draw all of its projections.
 from __future__ import annotations
 
 from collections.abc import Generator
+from time import perf_counter
 
 import numpy as np
 import wgpu
@@ -123,8 +124,9 @@ class Squares:
         """
         rays = cameras.directions[owning].any(axis=(1, 2)) & ~cameras.traced[owning]
         chosen, frames, singles = self._ordered(cameras, owning[rays])
-        areas = areas_of(cameras.image[chosen])
+        areas, began = areas_of(cameras.image[chosen]), perf_counter()
         pairs = yield from pairs_seen(frames, self._tree.nodes, self._stand_ins, areas, self._wide)
+        culling = 1000.0 * (perf_counter() - began)
         shown = np.zeros(len(cameras.item), bool)
         shown[chosen] = True
         self._samples = int(np.count_nonzero(shown[samples.owner[samples.owner >= 0]]))
@@ -133,6 +135,7 @@ class Squares:
             "seeing_once_percent": 100.0 * singles / max(len(chosen), 1),
             "points": len(self._tree.surfels),
             "pairs": len(pairs),
+            "culling_ms": culling,
         }
         if not len(pairs):
             return encoder
@@ -176,8 +179,8 @@ class Squares:
 
     def figures(self) -> dict[str, float]:
         """Of the last frame: cameras, and which share of them sees each point once; points; pairs that were projected,
-        projections that were valid as a share of these, and pairs with several as a share of the projections; samples
-        that got no point as a share of those that might, the sky's among them."""
+        and how long they were looked for; projections that were valid as a share of these, and pairs with several as a
+        share of the projections; samples that got no point as a share of those that might, the sky's among them."""
         if not self._work:
             return {}
         valid, several = self._projector.counts()

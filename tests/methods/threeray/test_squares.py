@@ -19,6 +19,7 @@ from anamorph.measure.errors import measure
 from anamorph.methods import Specification
 from anamorph.methods.stage import Stage
 from anamorph.methods.threeray import projector as module
+from anamorph.methods.threeray.camera_bases import bases_of
 from anamorph.methods.threeray.cameras_seen import body_cameras, mesh_cameras
 from anamorph.methods.threeray.objects import materials_of
 from anamorph.methods.threeray.points_seen import pairs_seen, stand_ins
@@ -114,7 +115,9 @@ def test_no_point_that_a_camera_sees_is_left_out(kind):
     t = random.uniform(0.0, 3.0, (len(rays), 200, 1))
     points = (weights @ origins + t * (weights @ directions)).reshape(-1, 3)
     tree = make_tree(surfels_at(points), np.ones(1, np.int64))
-    pairs = drain(pairs_seen(frames_of(origins, directions), tree.nodes, stand_ins(tree), np.ones(len(rays)), 0.0))
+    found = mesh_cameras(mesh_of(origins, directions), 1, (0.0, 0.0))
+    bases = bases_of(found, np.arange(len(rays)))
+    pairs = drain(pairs_seen(frames_of(origins, directions), bases, tree.nodes, stand_ins(tree), 0.0))
     held = np.zeros((len(rays), len(points)), bool)
     held[pairs[:, 0], pairs[:, 1]] = True
     assert held.sum() == len(pairs)

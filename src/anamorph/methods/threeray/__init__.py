@@ -13,7 +13,7 @@ Source: Mei, Popescu and Sacks, "A hybrid backward-forward method for interactiv
 | | the samples whose weights are within bounds | `sample_spans` |
 | | samples of small cameras go through the tree themselves | `packets` |
 | | the triangles that rays meet | `scene_triangles` |
-| 5.2 | with `splat`, pairs of a camera and a point that it may see | `points_seen` |
+| 5.2 | with `splat`, pairs of a camera and a point that it may see | `points_seen`, `camera_bases` |
 | 5.1 | these projected on the device | `projector`: `projected.wgsl` |
 | 6 | and drawn as squares | `squares`: `squares.wgsl` |
 | | what the device is given for that | `splat_records`: `three_ray_camera.wgsl` |

@@ -15,9 +15,10 @@ from collections.abc import Generator
 import numpy as np
 
 from anamorph.base.compiled import compiled, cores, inlined, steps_over_all_cores
-from anamorph.base.vectors import along, dot
+from anamorph.base.vectors import Vector, along, dot
+from anamorph.methods.threeray.camera_bases import Bases
 from anamorph.methods.threeray.surfel_tree import Nodes, SurfelTree
-from anamorph.raytriangle.bounds import seen_weights
+from anamorph.raytriangle.bounds import Shape, seen_weights, support
 from anamorph.raytriangle.camera_frames import Frames, vector
 
 GRAIN = 32
@@ -55,17 +56,8 @@ def _stand_in(nodes: Nodes, found: np.ndarray) -> None:
                 nearest, found[node] = dot(offset, offset), s
 
 
-def areas_of(image: np.ndarray) -> np.ndarray:
-    """The areas of image triangles with these homogeneous corners (K, 3, 3), (K,) float64; 0 where one is behind."""
-    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
-        places = image[..., :2] / image[..., 2:]
-        one, other = places[:, 1] - places[:, 0], places[:, 2] - places[:, 0]
-        area = 0.5 * np.abs(one[:, 0] * other[:, 1] - one[:, 1] * other[:, 0])
-    return np.where((image[..., 2] > 0.0).all(axis=1) & np.isfinite(area), area, 0.0)
-
-
 def pairs_seen(
-    frames: Frames, nodes: Nodes, points: np.ndarray, samples: np.ndarray, side: float
+    frames: Frames, bases: Bases, nodes: Nodes, points: np.ndarray, side: float
 ) -> Generator[None, None, np.ndarray]:
     """The points that cameras may see, in steps.
 
@@ -73,11 +65,10 @@ def pairs_seen(
     ----------
     frames : Frames
         Of the cameras, K of them.
+    bases : Bases
     nodes : Nodes
     points : (M,) int64
         From `stand_ins`.
-    samples : (K,) float64
-        How many samples of the image the cameras' triangles cover; 0 where nobody knows.
     side : float
         Nodes that are less than so many samples wide are points; 0 for none.
 
@@ -92,13 +83,13 @@ def pairs_seen(
 
     def work(start: int, stop: int) -> None:
         pairs = np.empty((AT_FIRST, 2), np.uint32)
-        count = _see(frames, nodes, points, samples, limit, pairs, start, stop)
+        count = _see(frames, bases, nodes, points, limit, pairs, start, stop)
         if count > len(pairs):
             pairs = np.empty((count, 2), np.uint32)
-            _see(frames, nodes, points, samples, limit, pairs, start, stop)
+            _see(frames, bases, nodes, points, limit, pairs, start, stop)
         parts[start] = pairs[:count].copy()
 
-    count = len(samples)
+    count = len(bases.samples)
     if count and len(nodes.center):
         yield from steps_over_all_cores(work, count, max(1, min(GRAIN, count // (8 * cores()))))
     return np.concatenate([np.zeros((0, 2), np.uint32), *(parts[start] for start in sorted(parts))])
@@ -107,9 +98,9 @@ def pairs_seen(
 @compiled
 def _see(
     frames: Frames,
+    bases: Bases,
     nodes: Nodes,
     points: np.ndarray,
-    samples: np.ndarray,
     limit: float,
     pairs: np.ndarray,
     start: int,
@@ -122,15 +113,14 @@ def _see(
         while node < len(nodes.size):
             half = vector(nodes.half[node])
             shape = (half[0], half[1], half[2], 0.0, 0.0, 0.0)
-            first, last, seen = nodes.first[node], nodes.first[node] + nodes.held[node], False
-            seen, _, _ = seen_weights(frames, c, vector(nodes.middle[node]), shape, True)
-            one = seen and dot(half, half) < limit * limit * _pixel(frames, samples, c, nodes.middle[node])
+            first, last = nodes.first[node], nodes.first[node] + nodes.held[node]
+            seen = _is_seen(frames, bases, c, vector(nodes.middle[node]), shape)
+            one = seen and dot(half, half) < limit * limit * _sample(frames, bases, c, vector(nodes.middle[node]))
             if one:
                 first, last = points[node], points[node] + 1
             if seen:
                 for s in range(first, last):
-                    shown, _, _ = seen_weights(frames, c, vector(nodes.center[s]), nothing, True)
-                    if shown:
+                    if _is_seen(frames, bases, c, vector(nodes.center[s]), nothing):
                         if count < len(pairs):
                             pairs[count, 0], pairs[count, 1] = c, s
                         count += 1
@@ -139,17 +129,29 @@ def _see(
 
 
 @inlined
-def _pixel(frames: Frames, samples: np.ndarray, c: int, middle: np.ndarray) -> float:
+def _is_seen(frames: Frames, bases: Bases, c: int, middle: Vector, shape: Shape) -> bool:
+    """Whether camera c may see something of a box."""
+    plane = vector(bases.plane[c])
+    if dot(plane, middle) + support(shape, True, plane) < bases.plane[c, 3]:
+        return False
+    seen, _, _ = seen_weights(frames, c, middle, shape, True)
+    return seen
+
+
+@inlined
+def _sample(frames: Frames, bases: Bases, c: int, middle: Vector) -> float:
     """The area that a sample of camera c covers about a place, across its rays, square metres; 0 if nobody knows.
 
     It is that of the camera's sweeping triangle there, over the samples that the camera has. Its root is the geometric
-    mean of how wide and how high a sample is.
+    mean of how wide and how high a sample is. A wide camera's is that of its solid angle.
     """
-    speed = 0.5 * (frames.reach[c, 2] + frames.reach[c, 3])
-    if speed <= 0.0 or samples[c] <= 0.0:
+    if bases.samples[c] <= 0.0:
         return 0.0
-    place = along(vector(middle), -1.0, vector(frames.origin[c]))
+    place = along(middle, -1.0, vector(frames.origin[c]))
+    if frames.reach[c, 2] <= 0.0:
+        return dot(place, place) * bases.spread[c] / bases.samples[c]
+    speed = 0.5 * (frames.reach[c, 2] + frames.reach[c, 3])
     start = 0.5 * (frames.reach[c, 0] + frames.reach[c, 1])
     t = max(0.0, (dot(vector(frames.axis[c]), place) - start) / speed)
     value = frames.determinant[c, 0] + t * (frames.determinant[c, 1] + t * frames.determinant[c, 2])
-    return 0.5 * abs(value) / (frames.factors[c, 0] * samples[c])
+    return 0.5 * abs(value) / (frames.factors[c, 0] * bases.samples[c])

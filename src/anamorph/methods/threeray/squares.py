@@ -25,9 +25,10 @@ from anamorph.gpu.shaders import shader_module
 from anamorph.gpu.targets import Target, begin_pass, make_target, read_texture
 from anamorph.gpu.visibility import TEXEL_FORMAT, VisibilityBuffer
 from anamorph.methods.stage import Stage
+from anamorph.methods.threeray.camera_bases import bases_of
 from anamorph.methods.threeray.cameras_seen import Cameras
 from anamorph.methods.threeray.objects import Materials
-from anamorph.methods.threeray.points_seen import areas_of, pairs_seen, stand_ins
+from anamorph.methods.threeray.points_seen import pairs_seen, stand_ins
 from anamorph.methods.threeray.projector import BLOCK, SEVERAL, Projector
 from anamorph.methods.threeray.sample_rays import Samples
 from anamorph.methods.threeray.splat_records import OWNER, owner_records, point_records
@@ -124,8 +125,8 @@ class Squares:
         """
         rays = cameras.directions[owning].any(axis=(1, 2)) & ~cameras.traced[owning]
         chosen, frames, singles = self._ordered(cameras, owning[rays])
-        areas, began = areas_of(cameras.image[chosen]), perf_counter()
-        pairs = yield from pairs_seen(frames, self._tree.nodes, self._stand_ins, areas, self._wide)
+        bases, began = bases_of(cameras, chosen), perf_counter()
+        pairs = yield from pairs_seen(frames, bases, self._tree.nodes, self._stand_ins, self._wide)
         culling = 1000.0 * (perf_counter() - began)
         shown = np.zeros(len(cameras.item), bool)
         shown[chosen] = True

@@ -51,8 +51,8 @@ FULL = Amount(
     scenes=tuple(OBJECTS),
     share=1.0,
     size=(1024, 768),
-    growing=("Statue0", "Dinosaur"),
-    sizes=((256, 192), (512, 384), (1024, 768), (2048, 1536), (4096, 3072)),
+    growing=("Bunny0", "Dinosaur"),
+    sizes=((256, 192), (512, 384), (1024, 768), (2048, 1536)),
     frames=10,
 )
 QUICK = Amount(("Bunny1", "Dinosaur"), 0.1, (96, 72), ("Dinosaur",), ((48, 36), (96, 72)), 1)

@@ -8,14 +8,16 @@ Source: Mei, Popescu and Sacks 2007, section 5: the image plane of a camera is t
 
 from __future__ import annotations
 
+import math
 from typing import NamedTuple
 
 import numpy as np
 
 from anamorph.base.compiled import compiled, over_all_cores
+from anamorph.base.vectors import cross, dot
 
-ROWS = 16
-"""Rows of samples that a core takes at a time."""
+ROWS, CAMERAS = 16, 2048
+"""Rows of samples, and cameras, that a core takes at a time."""
 
 NOBODY, BACK = -1, -2
 """The owner of a sample over which there is no triangle, or one that turns its back."""
@@ -31,7 +33,9 @@ class Places(NamedTuple):
     """(K, 3, 3) float64: numbers (a, b, c) a corner, whose a x + b y + c, over their sum, is its weight at the sample x
     columns and y rows from the first of the box. The sum is one over the depth."""
     box: np.ndarray
-    """(K, 4) int64: the first column and row of the samples around it, and the last ones and one."""
+    """(K, 4) int64: the first column and row of the samples around it, and the last ones and one; of no samples, 0."""
+    front: np.ndarray
+    """(K,) bool: whether it turns its front to the eye: it is then clockwise in the image, whose y points down."""
 
 
 def sampled(image: np.ndarray, side: int, shift: tuple[float, float]) -> np.ndarray:
@@ -42,23 +46,50 @@ def sampled(image: np.ndarray, side: int, shift: tuple[float, float]) -> np.ndar
 
 def places_of(image: np.ndarray, size: tuple[int, int]) -> Places:
     """Where cameras with these homogeneous corners (K, 3, 3) are among `size` samples; without an area, nowhere."""
-    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
-        ahead = np.greater(image[..., 2], 0.0)
-        before, some = np.all(ahead, axis=1), np.any(ahead, axis=1)
-        places = image[..., :2] / image[..., 2:]
-        low = np.where(before[:, None], np.ceil(places.min(axis=1) - EDGE), 0.0)
-        high = np.where(before[:, None], np.floor(places.max(axis=1) + EDGE) + 1.0, size)
-        box = np.concatenate([np.clip(low, 0, size), np.clip(high, 0, size)], axis=1).astype(np.int64)
+    count = len(image)
+    places = Places(np.zeros((count, 3, 3)), np.zeros((count, 4), np.int64), np.zeros(count, bool))
+    corners = np.ascontiguousarray(image, float)
+    over_all_cores(lambda start, stop: _place(corners, *size, places, start, stop), count, CAMERAS)
+    return places
+
+
+@compiled
+def _place(image: np.ndarray, width: int, height: int, places: Places, start: int, stop: int) -> None:
+    for c in range(start, stop):
+        ahead = 0
+        low_x, low_y, high_x, high_y = math.inf, math.inf, -math.inf, -math.inf
+        for i in range(3):
+            w = image[c, i, 2]
+            if w > 0.0:
+                ahead += 1
+                x, y = image[c, i, 0] / w, image[c, i, 1] / w
+                low_x, low_y, high_x, high_y = min(low_x, x), min(low_y, y), max(high_x, x), max(high_y, y)
+        if ahead == 0:
+            continue
+        x0, y0, x1, y1 = 0.0, 0.0, float(width), float(height)
+        if ahead == 3:
+            # Beyond the image, numbers may be too large for whole ones.
+            x0, x1 = math.ceil(min(max(low_x - EDGE, x0), x1)), math.floor(min(max(high_x + EDGE, -1.0), x1 - 1.0)) + 1
+            y0, y1 = math.ceil(min(max(low_y - EDGE, y0), y1)), math.floor(min(max(high_y + EDGE, -1.0), y1 - 1.0)) + 1
+        if not (x0 < x1 and y0 < y1):
+            continue
         # From the box's corner, so that numbers are small.
-        corners = image.copy()
-        corners[..., :2] -= box[:, None, :2] * image[..., 2:]
-        determinant = np.linalg.det(corners)
+        a = (image[c, 0, 0] - x0 * image[c, 0, 2], image[c, 0, 1] - y0 * image[c, 0, 2], image[c, 0, 2])
+        b = (image[c, 1, 0] - x0 * image[c, 1, 2], image[c, 1, 1] - y0 * image[c, 1, 2], image[c, 1, 2])
+        d = (image[c, 2, 0] - x0 * image[c, 2, 2], image[c, 2, 1] - y0 * image[c, 2, 2], image[c, 2, 2])
         # The rows of the adjugate: q = sum of weights times corners.
-        rows = np.cross(np.roll(corners, -1, axis=1), np.roll(corners, -2, axis=1))
-        weights = rows / determinant[:, None, None]
-    exists = some & np.isfinite(weights).all(axis=(1, 2))
-    weights[~exists], box[~exists] = 0.0, 0
-    return Places(weights, box)
+        rows = cross(b, d), cross(d, a), cross(a, b)
+        determinant = dot(a, rows[0])
+        exists = True
+        for i in range(3):
+            for k in range(3):
+                places.weights[c, i, k] = rows[i][k] / determinant
+                exists &= math.isfinite(places.weights[c, i, k])
+        if not exists:
+            places.weights[c] = 0.0
+            continue
+        places.front[c] = determinant < 0.0
+        places.box[c, 0], places.box[c, 1], places.box[c, 2], places.box[c, 3] = int(x0), int(y0), int(x1), int(y1)
 
 
 def owners_of(
@@ -81,7 +112,11 @@ def owners_of(
     first = fronts is None
     shown = np.ones(len(places.box), bool) if fronts is None else fronts
     owns = np.zeros(len(places.box), bool)
-    over_all_cores(lambda start, stop: _own(*places, first, shown, depth, owner, owns, start, stop), size[1], ROWS)
+    over_all_cores(
+        lambda start, stop: _own(places.weights, places.box, first, shown, depth, owner, owns, start, stop),
+        size[1],
+        ROWS,
+    )
     return np.flatnonzero(owns)
 
 

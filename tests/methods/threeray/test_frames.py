@@ -16,6 +16,7 @@ from anamorph.gallery.solids import box
 from anamorph.gallery.spheres import mirror_ball
 from anamorph.measure.errors import measure
 from anamorph.methods import Specification
+from anamorph.methods.threeray import meeting
 from anamorph.raymesh import RayMesh
 from anamorph.scene.geometry import flatten
 from anamorph.scene.model import Diffuse, Mesh, Scene, Sky
@@ -50,9 +51,10 @@ MIRRORS = {
 
 
 @pytest.mark.parametrize("name", MIRRORS)
-@pytest.mark.parametrize("options", ["", ":spacing=0.15"])
-def test_a_mirror_shows_what_its_interpolated_rays_meet(name, options):
+@pytest.mark.parametrize(("options", "few"), [("", meeting.FEW), (":spacing=0.15", 0)])
+def test_a_mirror_shows_what_its_interpolated_rays_meet(name, options, few, monkeypatch):
     scene = scene_with(MIRRORS[name])
+    monkeypatch.setattr(meeting, "FEW", few)
     check(drawn(scene, REFERENCE), drawn(scene, f"threeray{options}"))
 
 
@@ -65,7 +67,8 @@ def test_built_in_scenes_have_no_hole(name):
 
 
 @pytest.mark.parametrize("name", ["flat", "strongly concave", "coarse"])
-def test_both_cullings_show_the_same(name):
+def test_both_cullings_show_the_same(name, monkeypatch):
+    monkeypatch.setattr(meeting, "FEW", 0)
     scene = scene_with(MIRRORS[name])
     bounds, walls = (drawn(scene, f"threeray:culling={culling}", (320, 240)) for culling in ("bounds", "walls"))
     assert (bounds.color == walls.color).all() and (bounds.status == walls.status).all()

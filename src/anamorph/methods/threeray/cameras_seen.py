@@ -7,17 +7,26 @@ Source: Mei, Popescu and Sacks 2007, section 5: the image plane of a camera is t
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
 
+from anamorph.base.compiled import compiled, over_all_cores
+from anamorph.base.vectors import along, cross, dot
 from anamorph.optics.ray_meshes import Body, Line, side_rays
 from anamorph.raymesh import RayMesh, RayStatus
 from anamorph.rays.caster import LEAST_STEP, ROUNDING
+from anamorph.raytriangle.camera_frames import vector
 from anamorph.raytriangle.owners import sampled
 from anamorph.scene.camera import Eye
 from anamorph.scene.geometry import Geometry
+
+GRAIN = 1024
+"""Cameras that a core fills at a time."""
+
+TINY = float(np.finfo(float).tiny)
 
 
 class Cameras(NamedTuple):
@@ -70,38 +79,69 @@ def body_cameras(
     line: Line = 1,
 ) -> Cameras:
     """The triangles of all mirrors and lenses as an eye sees them by light of one line, both sides of each lens."""
-    parts = [
-        _side_cameras(body, number, geometry, eye, side, shift, line)
-        for body in bodies
-        for number in range(len(body.sides))
-    ]
-    return Cameras(*(np.concatenate(columns) for columns in zip(*parts, strict=True)))
+    sides = [(own, body.sides[number - 1]) for body in bodies for number, own in enumerate(body.sides)]
+    counts = [len(own.triangles) for own, _ in sides]
+    cameras = _reserved(sum(counts))
+    for (own, far), stop, count in zip(sides, np.cumsum(counts), counts, strict=True):
+        rays = side_rays(own, eye, line)
+        stays = own.refracts & ~np.isin(np.asarray(rays.status), (RayStatus.OK, RayStatus.BACK_FACING))
+        through = np.ones(len(rays.image)) if rays.transmittance is None else np.asarray(rays.transmittance, float)
+        image = sampled(rays.image, side, shift)
+        origins, directions = np.ascontiguousarray(rays.origins, float), np.ascontiguousarray(rays.directions, float)
+        positions = np.ascontiguousarray(own.optics.positions, float)
+        vertices = _Vertices(image, origins, directions, positions, through, stays)
+        _fill_side(cameras, int(stop) - count, np.asarray(rays.faces), vertices)
+        these = slice(stop - count, stop)
+        cameras.item[these] = geometry.face_object[own.triangles]
+        cameras.left[these] = far.objects[0] if own.refracts else cameras.item[these]
+        cameras.bounces[these] = 2 if own.refracts else 1
+    return cameras
 
 
-def _side_cameras(
-    body: Body, number: int, geometry: Geometry, eye: Eye, side: int, shift: tuple[float, float], line: Line
-) -> Cameras:
-    own, far = body.sides[number], body.sides[number - 1]
-    rays = side_rays(own, eye, line)
-    faces, count = rays.faces, len(rays.faces)
-    item = geometry.face_object[own.triangles].astype(np.int64)
-    stays = ~np.isin(np.asarray(rays.status), (RayStatus.OK, RayStatus.BACK_FACING))
-    corners = np.asarray(own.optics.positions, float)[faces]
-    edges = np.roll(corners, -1, axis=1) - corners
-    normal = np.cross(edges[:, 0], edges[:, 1])
-    largest = np.abs(rays.origins[faces]).max(axis=(1, 2))
-    rounding = np.maximum(ROUNDING * largest, LEAST_STEP)
-    return Cameras(
-        sampled(rays.image[faces], side, shift),
-        rays.origins[faces],
-        rays.directions[faces],
-        np.ones((count, 3)) if rays.transmittance is None else rays.transmittance[faces],
-        stays[faces].any(axis=1) if own.refracts else np.zeros(count, bool),
-        item,
-        np.full(count, far.objects[0], np.int64) if own.refracts else item,
-        np.full(count, 2 if own.refracts else 1, np.int64),
-        rounding,
-        rounding / np.maximum(np.linalg.norm(rays.directions[faces], axis=2).min(axis=1), np.finfo(float).tiny),
-        np.linalg.norm(edges, axis=2).max(axis=1),
-        normal / np.maximum(np.linalg.norm(normal, axis=1), np.finfo(float).tiny)[:, None],
-    )
+class _Vertices(NamedTuple):
+    """What a side's cameras have at their corners, by the numbers of vertices."""
+
+    image: np.ndarray
+    origins: np.ndarray
+    directions: np.ndarray
+    positions: np.ndarray
+    transmittance: np.ndarray
+    stays: np.ndarray
+
+
+def _reserved(count: int) -> Cameras:
+    shapes = (3, 3), (3, 3), (3, 3), (3,), (), (), (), (), (), (), (), (3,)
+    kinds = {"traced": bool, "item": np.int64, "left": np.int64, "bounces": np.int64}
+    named = zip(Cameras._fields, shapes, strict=True)
+    return Cameras(*(np.zeros((count, *shape), kinds.get(name, float)) for name, shape in named))
+
+
+def _fill_side(cameras: Cameras, first: int, faces: np.ndarray, vertices: _Vertices) -> None:
+    over_all_cores(lambda start, stop: _fill(cameras, first, faces, vertices, start, stop), len(faces), GRAIN)
+
+
+@compiled
+def _fill(cameras: Cameras, first: int, faces: np.ndarray, vertices: _Vertices, start: int, stop: int) -> None:
+    for f in range(start, stop):
+        c, largest, shortest = first + f, 0.0, math.inf
+        for i in range(3):
+            v, square = faces[f, i], 0.0
+            for k in range(3):
+                cameras.image[c, i, k] = vertices.image[v, k]
+                cameras.origins[c, i, k], cameras.directions[c, i, k] = (
+                    vertices.origins[v, k],
+                    vertices.directions[v, k],
+                )
+                largest, square = max(largest, abs(vertices.origins[v, k])), square + vertices.directions[v, k] ** 2
+            shortest = min(shortest, math.sqrt(square))
+            cameras.transmittance[c, i] = vertices.transmittance[v]
+            cameras.traced[c] |= vertices.stays[v]
+        cameras.rounding[c] = max(ROUNDING * largest, LEAST_STEP)
+        cameras.near[c] = cameras.rounding[c] / max(shortest, TINY)
+        p, q, r = vertices.positions[faces[f, 0]], vertices.positions[faces[f, 1]], vertices.positions[faces[f, 2]]
+        one, other = along(vector(q), -1.0, vector(p)), along(vector(r), -1.0, vector(q))
+        last = along(vector(p), -1.0, vector(r))
+        cameras.longest[c] = math.sqrt(max(dot(one, one), dot(other, other), dot(last, last)))
+        normal = cross(one, other)
+        scale = 1.0 / max(math.sqrt(dot(normal, normal)), TINY)
+        cameras.normal[c, 0], cameras.normal[c, 1], cameras.normal[c, 2] = along((0.0, 0.0, 0.0), scale, normal)

@@ -23,8 +23,9 @@ from anamorph.raytriangle.camera_frames import frames_of
 from anamorph.raytriangle.owners import Places
 from anamorph.raytriangle.walls import SPACE, walls_of
 
-FEW = 160
-"""With so many samples or fewer it does not pay for a camera to look: they go through the tree with others."""
+FEW = 1024
+"""With so many samples or fewer it does not pay for a camera to look: they go through the tree with others. At 250
+samples that takes 0.6 times as long, at 3,000 1.4 times."""
 
 GRAIN, TILES = 8, 64
 """Cameras, and tiles, that a core takes at a time."""
@@ -59,8 +60,8 @@ def meet(
     looks, follows = np.zeros((len(looking), len(WORK)), np.int64), np.zeros((tiles, len(WORK)), np.int64)
     nodes = tree.nodes
     if len(looking):
-        frames = frames_of(cameras.origins, cameras.directions)
-        walls = walls_of(cameras.origins, cameras.directions) if culling == "walls" else None
+        rays = cameras.origins[looking], cameras.directions[looking]
+        frames, walls = frames_of(*rays), walls_of(*rays) if culling == "walls" else None
 
         def one_by_one(start: int, stop: int) -> None:
             ways, space = np.empty(x1 - x0), np.empty(SPACE)

@@ -42,9 +42,9 @@ def look(
 ) -> None:
     """Have the samples of cameras `chosen[start:stop]` meet what these may see.
 
-    Boxes are told by the cameras' `walls`, or by bounds where there are none: that is compiled by itself. `work`
-    (len(chosen), 4) is filled, see `WORK`; `ways` (width,) and `space` (26,) float64 are the core's own, for what it is
-    asking.
+    Frames and walls are those of the chosen cameras alone. Boxes are told by walls, or by bounds where there are none:
+    that is compiled by itself. `work` (len(chosen), 4) is filled, see `WORK`; `ways` (width,) and `space` (26,) float64
+    are the core's own, for what it is asking.
     """
     for number in range(start, stop):
         c, node, bounded, asked, boxes, tests = chosen[number], 0, 0, 0, 0, 0
@@ -53,9 +53,9 @@ def look(
             bounded += 1
             shape = (half[0], half[1], half[2], 0.0, 0.0, 0.0)
             if walls is None:
-                seen, low, high = seen_weights(frames, c, middle, shape, True)
+                seen, low, high = seen_weights(frames, number, middle, shape, True)
             else:
-                seen = meets_volume(frames, walls, c, middle, half, space)
+                seen = meets_volume(frames, walls, number, middle, half, space)
             if not seen:
                 node += nodes.size[node]
                 continue
@@ -63,7 +63,7 @@ def look(
                 asked += 1
                 v = nodes.covariance[s]
                 shape = (v[0], v[1], v[2], v[3], v[4], v[5])
-                seen, low, high = seen_weights(frames, c, vector(nodes.center[s]), shape, False)
+                seen, low, high = seen_weights(frames, number, vector(nodes.center[s]), shape, False)
                 if seen:
                     boxes += 1
                     f = nodes.triangle[s]

@@ -223,17 +223,16 @@ class ThreeRayDrawing(FindingDrawing):
 
     def _looked_at(self, camera: Camera | RayMesh, shift: tuple[float, float]) -> tuple[Cameras, Places, np.ndarray]:
         """The cameras of an image, where they are, and the numbers of those that own samples, which know it then."""
-        size = self.visibility.size
+        size, bare = self.visibility.size, isinstance(camera, RayMesh)
         if isinstance(camera, RayMesh):
-            cameras, fronts = mesh_cameras(camera, self.visibility.side, shift), None
+            cameras = mesh_cameras(camera, self.visibility.side, shift)
         else:
             cameras = self._body_cameras(camera, shift, 1)
-            # Triangles that turn their front to the eye are clockwise in the image, whose y points down.
-            fronts = np.linalg.det(cameras.image) < 0.0
         places = places_of(cameras.image, size)
-        if fronts is not None:
+        if not bare:
             # From behind, a lens is not looked at: its other side is.
-            places.box[~fronts & (cameras.bounces > 1)] = 0
+            places.box[~places.front & (cameras.bounces > 1)] = 0
+        fronts = None if bare else places.front
         return cameras, places, owners_of(places, size, fronts, self._samples.depth, self._samples.owner)
 
     def _body_cameras(self, camera: Camera, shift: tuple[float, float], line: Line) -> Cameras:

@@ -75,9 +75,10 @@ def test_the_support_holds_all_of_a_piece_and_is_met_at_its_corners(seed):
 
 
 @pytest.mark.parametrize("seed", range(5))
-def test_every_surfel_is_in_one_leaf_and_every_box_holds_what_is_below_it(seed):
+@pytest.mark.parametrize("points", [False, True])
+def test_every_surfel_is_in_one_leaf_and_every_box_holds_what_is_below_it(seed, points):
     corners, objects = triangles(seed, 200), np.random.default_rng(seed).integers(1, 6, 200)
-    tree = make_tree(sample(corners, evenly(corners, 0.4)), objects)
+    tree = make_tree(sample(corners, evenly(corners, 0.4)), objects, points)
     leaves = tree.count > 0
     taken = np.concatenate(
         [np.arange(first, first + count) for first, count in zip(tree.first[leaves], tree.count[leaves], strict=True)]
@@ -138,3 +139,23 @@ def test_many_surfels_at_one_place_are_one_leaf():
     corners = np.tile(np.array([[[0.0, 0, 0], [1, 0, 0], [0, 1, 0]]]), (100_000, 1, 1))
     tree = make_tree(sample(corners, evenly(corners, 2.0)), np.ones(len(corners), int))
     assert tree.count.tolist() == [100_000]
+
+
+def test_rays_meet_fewer_of_what_is_parted_than_of_what_is_halved():
+    corners = triangles(6, 2000)
+    found, one = sample(corners, evenly(corners, 0.4)), np.ones(len(corners), int)
+    asked = []
+    for points in (False, True):
+        tree = make_tree(found, one, points)
+        x, y, z = tree.half.T
+        surface = x * y + y * z + z * x
+        asked.append((surface * (1.0 + tree.count)).sum() / surface[0])
+    assert asked[0] < 0.8 * asked[1]
+
+
+def test_surfels_that_crowd_toward_a_place_are_parted():
+    """Each cut parts only a few from all the others."""
+    at = 0.5 ** np.arange(900.0)
+    corners = at[:, None, None] * np.array([[[1.0, 0, 0], [1.1, 0, 0], [1.0, 0.1, 0]]])
+    tree = make_tree(sample(corners, evenly(corners, 2.0)), np.ones(len(corners), int))
+    assert tree.count.sum() == len(tree.surfels) and tree.count.max() <= LEAF

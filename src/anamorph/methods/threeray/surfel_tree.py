@@ -3,8 +3,9 @@
 Each object has a tree of its own, and above these stands one over the objects. Nodes are in the order in which a
 traversal meets them: behind an inner node come its two halves. Compiled.
 
-Source: Mei, Popescu and Sacks 2007, section 4. Deviation: nodes are halved at the median of their widest side, which
-bounds the depth whatever the points are, and objects that move keep their trees, and only the boxes follow.
+Source: Mei, Popescu and Sacks 2007, section 4. Deviation: nodes of points are halved at the median of their widest
+side, which bounds the depth whatever the points are, and those of surfels are parted where rays meet the fewest.
+Objects that move keep their trees, and only the boxes follow.
 """
 
 from __future__ import annotations
@@ -16,6 +17,7 @@ import numpy as np
 
 from anamorph.base.compiled import compiled
 from anamorph.methods.threeray.halving import halved
+from anamorph.methods.threeray.parting import parted
 from anamorph.methods.threeray.surfels import Surfels
 
 LEAF = 8
@@ -77,16 +79,19 @@ class SurfelTree:
         return replace(self, surfels=surfels, **_boxes(surfels, self.first, self.count, self.size))
 
 
-def make_tree(surfels: Surfels, face_object: np.ndarray) -> SurfelTree:
-    """The tree over surfels of triangles that belong to objects `face_object` (F,)."""
+def make_tree(surfels: Surfels, face_object: np.ndarray, points: bool = False) -> SurfelTree:
+    """The tree over surfels of triangles that belong to objects `face_object` (F,), or over their centres as points."""
     objects = np.asarray(face_object)[surfels.triangle]
     # Where one object ends, another begins; their order within an object is that of the triangles.
     order = np.argsort(objects, kind="stable")
     ends = np.flatnonzero(np.diff(objects[order])) + 1
-    parts = []
+    parts, extents = [], surfels.half_extents()
     for part, start in zip(np.split(order, ends), [0, *ends], strict=True):
         if len(part):
-            first, count = halved(surfels.center, LEAF, part)
+            if points:
+                first, count = halved(surfels.center, LEAF, part)
+            else:
+                first, count = parted(surfels.center, extents, LEAF, part)
             parts.append((first + start, count))
     first, count = _above(parts, surfels.center, order) if parts else np.zeros((2, 1), np.int64)
     ordered, size = surfels.chosen(order), np.empty(len(first), np.int64)

@@ -122,7 +122,7 @@ class ThreeRayDrawing(FindingDrawing):
         self._background: Background | None = None
         if options.background == "map":
             surfels, self._background = self._divided(surfels)
-        self._tree = make_tree(surfels, stage.geometry.face_object)
+        self._tree = make_tree(surfels, stage.geometry.face_object, points=options.splat > 0)
         self._triangles = triangles_of(corners, stage.geometry.face_object)
         self._hiding = Hiding(self.visibility)
         self._squares: Squares | None = None

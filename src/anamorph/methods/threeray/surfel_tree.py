@@ -23,6 +23,9 @@ from anamorph.methods.threeray.surfels import Surfels
 LEAF = 8
 """Surfels in a leaf, at most, but for those that all have one centre."""
 
+POINTS = 2
+"""Points in a leaf, at most: small leaves have nodes of nearly each size, so that one is nearly a pixel wide."""
+
 
 PAD, ROUNDING = 1e-9, 1e-12
 """What boxes are widened by: as shares of their sides, and of their coordinates."""
@@ -89,7 +92,7 @@ def make_tree(surfels: Surfels, face_object: np.ndarray, points: bool = False) -
     for part, start in zip(np.split(order, ends), [0, *ends], strict=True):
         if len(part):
             if points:
-                first, count = halved(surfels.center, LEAF, part)
+                first, count = halved(surfels.center, POINTS, part)
             else:
                 first, count = parted(surfels.center, extents, LEAF, part)
             parts.append((first + start, count))

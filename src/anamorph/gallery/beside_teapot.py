@@ -51,16 +51,19 @@ def beside_teapot(name: str, triangles: int | None = None) -> Scene:
     beside = OBJECTS[name]
     solid, (x, z) = _solid(beside.sculpture, triangles or beside.triangles), beside.place
     placed = replace(solid, positions=beside.scale * solid.positions).turned(beside.turn).moved(x, -0.5, z)
-    return in_hall(name, placed.mesh(name, Diffuse(color=(1.0, 1.0, 1.0))))
+    scene = in_hall(name, placed.mesh(name, Diffuse(color=(1.0, 1.0, 1.0))))
+    # As the paper's pot has no more triangles in a larger image, ours must not be made finer on its exact surface.
+    plain = tuple(replace(mesh, surface=None, parameters=None) for mesh in scene.meshes)
+    return replace(scene, meshes=plain)
 
 
-def in_hall(name: str, *objects: Mesh, camera: Camera | None = None) -> Scene:
-    """The pot with any objects."""
+def in_hall(name: str, *objects: Mesh) -> Scene:
+    """The pot, on its exact surface, with any objects."""
     silver = Mirror(tint=(1.0, 0.97, 0.93), reflectance=0.9)
     return Scene(
         name=name,
         meshes=(*teapot((0.0, -0.5, 0.0), 1.0, 0.0, silver, PATCH_VERTICES), *objects),
-        camera=camera or Camera(position=(0.0, 0.75, 4.0), target=(0.0, -0.05, 0.3), field_of_view=30.0),
+        camera=Camera(position=(0.0, 0.75, 4.0), target=(0.0, -0.05, 0.3), field_of_view=30.0),
         lights=(
             DirectionalLight(toward=(0.48, 0.6, 0.64), color=(0.75, 0.72, 0.66)),
             AmbientLight(sky=(0.62, 0.63, 0.66), ground=(0.40, 0.37, 0.33)),

@@ -49,10 +49,8 @@ RECORDS = [
     ("methods/threeray", "ScenePoint", splat_records.POINT, {}),
     ("methods/threeray", "Projected", splat_records.PROJECTED, {}),
     ("methods/threeray", "Owner", splat_records.OWNER, {}),
-    ("methods/trilinear", "RayTriangle", ray_records.RAY_TRIANGLE, {}),
+    ("methods/trilinear", "RayTriangle", ray_records.RAY_TRIANGLE, {"padding": None}),
     ("methods/trilinear", "Lens", ray_records.LENS, {"padding": None}),
-    ("methods/trilinear", "Pair", ray_records.PAIR, {"terms": "first", "center": "center_x"}),
-    ("methods/trilinear", "Piece", ray_records.PIECE, {"place": "x0"}),
     ("methods/trilinear/straight", "StraightCorner", edges.STRAIGHT_CORNER, {"place": "x", "weights": "second"}),
 ]
 """Room, structure, its dtype, and what members are called in the shader where a field has another name, or none."""

@@ -11,6 +11,10 @@ from anamorph.methods.trilinear.beams import Beams, making_beams
 from anamorph.methods.trilinear.box_tree import make_tree
 from anamorph.methods.trilinear.pairs import ALL, Own
 from anamorph.methods.trilinear.plan import Plan, Planner
+from anamorph.methods.trilinear.ray_records import seen_words
+from anamorph.methods.trilinear.sights import Sights
+from anamorph.raytriangle.camera_frames import Frames
+from anamorph.raytriangle.owners import places_of
 
 SIZE = (200, 160)
 
@@ -164,6 +168,27 @@ def meet(rays: RayTriangles, triangles: np.ndarray, points: np.ndarray) -> Meeti
     return Meeting(own, t, np.stack([1.0 - second - third, second, third], axis=-1), across < 0.0, slant)
 
 
+def beams_of(rays: RayTriangles, near: float = 0.0, size: tuple[int, int] = SIZE) -> tuple[Beams, Frames]:
+    """The ray triangles over which the image has samples, as functions of it; image points are in samples."""
+    box = places_of(rays.image, size).box
+    held = np.flatnonzero((box[:, :2] < box[:, 2:]).all(axis=1))
+    beams, frames = drain(making_beams(*(each[held] for each in rays), box[held], near))
+    return beams._replace(number=held.astype(np.int32)), frames
+
+
+def within(beams: Beams, k: int, points: np.ndarray) -> np.ndarray:
+    """Which image points (Q, 2) lie in the box of a ray triangle's samples."""
+    return (points >= beams.box[k, :2]).all(axis=1) & (points <= beams.box[k, 2:] - 1).all(axis=1)
+
+
+def whole(own: Own | None, beams: Beams) -> Own:
+    """What beams see of the surface that they leave; all, unless it is told for the ray triangles."""
+    count = len(beams.number)
+    if own is None:
+        return Own(np.full(count, -1, np.int32), np.full(count, -1, np.int32), np.full(count, ALL, np.int32))
+    return Own(*(each[beams.number] for each in own))
+
+
 def planned(
     rays: RayTriangles,
     triangles: np.ndarray,
@@ -174,14 +199,27 @@ def planned(
     size: tuple[int, int] = SIZE,
 ) -> tuple[Beams, Plan]:
     """What `trilinear.plan` makes of ray triangles before triangles (M, 3, 3)."""
-    beams = drain(making_beams(*rays, size, near))
-    tree = make_tree(triangles)
+    beams, frames = beams_of(rays, near, size)
     group = np.zeros(len(triangles), np.int32) if group is None else group
-    if own is None:
-        count = len(rays.image)
-        own = Own(np.full(count, -1, np.int32), np.full(count, -1, np.int32), np.full(count, ALL, np.int32))
-    own = Own(*(each[beams.number] for each in own))
-    return beams, drain((planner or Planner()).planning(beams, tree, group, own))
+    going = (planner or Planner()).planning(beams, frames, make_tree(triangles), group, whole(own, beams))
+    return beams, drain(going)
+
+
+def looked(
+    beams: Beams,
+    frames: Frames,
+    owner: np.ndarray,
+    triangles: np.ndarray,
+    fronts: np.ndarray | None = None,
+    own: Own | None = None,
+) -> Sights:
+    """What samples with known owners (height, width) see of triangles; `fronts` (M,) are those with specular fronts."""
+    sights = Sights.reserved(owner.shape[::-1])
+    sights.owner[:] = owner
+    group = np.zeros(len(triangles), np.int32)
+    words = seen_words(np.zeros(len(triangles), bool) if fronts is None else fronts)
+    drain(Planner().looking(beams, frames, make_tree(triangles), group, whole(own, beams), words, sights))
+    return sights
 
 
 def evaluated(terms: np.ndarray, places: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -208,14 +246,3 @@ def magnitudes(rays: RayTriangles, triangle: np.ndarray, beams: Beams, places: n
     edge = np.linalg.norm(triangle - np.roll(triangle, 1, axis=0), axis=1).max()
     side = weight**2 * pace * reach * (reach + start)
     return np.stack([side, side, side, weight * pace * edge**2, weight * edge**2 * (reach + start)], axis=1)
-
-
-def held(pieces: np.ndarray, places: np.ndarray, tolerance: float = 1e-4) -> np.ndarray:
-    """Whether one of some triangles (T, 3, 2) holds each of places (Q, 2), give or take so many pixels."""
-    pieces = pieces.astype(float)
-    sides = np.roll(pieces, -1, axis=1) - pieces
-    lengths = np.maximum(np.linalg.norm(sides, axis=-1), 1e-12)
-    normals = np.stack([-sides[..., 1], sides[..., 0]], axis=-1) / lengths[..., None]
-    distances = np.einsum("tsi,qtsi->qts", normals, places[:, None, None] - pieces)
-    turn = np.sign(sides[:, 0, 0] * sides[:, 1, 1] - sides[:, 0, 1] * sides[:, 1, 0])[:, None]
-    return (distances * np.where(turn == 0.0, 1.0, turn) >= -tolerance).all(axis=-1).any(axis=-1)

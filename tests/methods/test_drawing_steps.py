@@ -23,7 +23,7 @@ from anamorph.gpu.recording import Recorder
 from anamorph.gpu.targets import read_texture
 from anamorph.methods import METHODS, Session, Specification, session
 from anamorph.methods.averaging import averaging
-from anamorph.methods.trilinear import beams, plan, visibility
+from anamorph.methods.trilinear import beams, plan
 from anamorph.methods.trilinear.beams import making_beams
 from anamorph.viewer.turntable import turntable
 
@@ -49,7 +49,6 @@ def same(one: Frame, other: Frame) -> bool:
 def small_steps(monkeypatch: pytest.MonkeyPatch) -> None:
     """So small that a small image takes many, and always as many."""
     monkeypatch.setattr(compiled, "cores", lambda: 1)
-    monkeypatch.setattr(visibility, "AT_ONCE", 3 * 8)
     monkeypatch.setattr(beams, "AT_ONCE", 3)
     monkeypatch.setattr(plan, "LARGEST_SHARE", 2)
     monkeypatch.setattr("anamorph.methods.tracing.paths.GRAIN", 100)
@@ -65,7 +64,6 @@ def whole_frame(specification: str, number: int) -> Frame:
 @pytest.mark.parametrize("specification", STEPPED)
 def test_a_frame_is_the_same_in_however_many_steps(specification: str, monkeypatch: pytest.MonkeyPatch) -> None:
     whole = whole_frame(specification, 0)
-    monkeypatch.setattr(visibility, "AT_ONCE", 3 * 5)
     monkeypatch.setattr(beams, "AT_ONCE", 2)
     monkeypatch.setattr(plan, "LARGEST_SHARE", 1)
     monkeypatch.setattr("anamorph.methods.tracing.paths.GRAIN", 77)
@@ -218,13 +216,12 @@ def test_long_pieces_do_not_hold_a_step_up(monkeypatch: pytest.MonkeyPatch) -> N
 def test_beams_in_steps_are_those_made_at_once(count: int, seed: int) -> None:
     rng = np.random.default_rng(seed)
     image = np.concatenate([rng.uniform(-20.0, 70.0, (count, 3, 2)), np.ones((count, 3, 1))], axis=2)
-    # Some without an area, which no image shows.
-    image[: count // 3, 1] = image[: count // 3, 0]
-    rays = image, rng.normal(size=(count, 3, 3)), rng.normal(size=(count, 3, 3))
+    box = np.sort(rng.integers(0, 40, (count, 2, 2)), axis=1).reshape(count, 4)
+    rays = image, rng.normal(size=(count, 3, 3)), rng.normal(size=(count, 3, 3)), box
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(beams, "AT_ONCE", 4)
-        parts = drain(making_beams(*rays, SIZE, 0.1, 1.0))
-    whole = drain(making_beams(*rays, SIZE, 0.1, 1.0))
+        parts, _ = drain(making_beams(*rays, 0.1))
+    whole, _ = drain(making_beams(*rays, 0.1))
     for name, one, other in zip(whole._fields, parts, whole, strict=True):
         assert np.array_equal(one, other), name
         assert np.asarray(one).dtype == np.asarray(other).dtype, name

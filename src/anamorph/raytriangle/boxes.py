@@ -79,42 +79,20 @@ def bounding_planes(origins: np.ndarray, directions: np.ndarray, near: float = 0
         If a number is not finite, or all directions of a ray triangle are 0.
     """
     origins, directions = checked(origins, directions)
-    return _planes(origins + near * directions, _units(directions), np.arange(3))
-
-
-def beam_planes(origins: np.ndarray, directions: np.ndarray, around: np.ndarray) -> BoundingPlanes:
-    """The planes of all rays that are mixtures, with weights that are not negative, of some given ones.
-
-    Parameters
-    ----------
-    origins, directions : (K, C, 3) array
-        A row for each of the given rays.
-    around : (K, 4) int array
-        Four of them, in the order in which they go around the others: the planes tried lie along their hull.
-
-    Returns
-    -------
-    BoundingPlanes
-        40 for each.
-    """
-    return _planes(origins, _units(directions), around)
+    return _planes(origins + near * directions, _units(directions))
 
 
 def _units(directions: np.ndarray) -> np.ndarray:
     return directions / np.maximum(np.linalg.norm(directions, axis=-1, keepdims=True), np.finfo(float).tiny)
 
 
-def _planes(origins: np.ndarray, along: np.ndarray, around: np.ndarray) -> BoundingPlanes:
-    """The planes of rays (..., C, 3) from their origins along unit vectors, tried along those that are around."""
-    if around.ndim == 1:
-        corner, edge = origins[..., around, :], along[..., around, :]
-    else:
-        corner, edge = (np.take_along_axis(some, around[..., None], axis=-2) for some in (origins, along))
-    sides = np.roll(corner, -1, axis=-2) - corner
+def _planes(origins: np.ndarray, along: np.ndarray) -> BoundingPlanes:
+    """The planes of rays (..., 3, 3) from their origins along unit vectors."""
+    sides = np.roll(origins, -1, axis=-2) - origins
     candidates = np.concatenate(
         [
-            np.cross(edge, np.roll(edge, -1, axis=-2)),
-            *(np.cross(sides, np.roll(edge, k, axis=-2)) for k in (0, 1, -1)),
+            np.cross(along, np.roll(along, -1, axis=-2)),
+            *(np.cross(sides, np.roll(along, k, axis=-2)) for k in (0, 1, -1)),
             np.cross(sides[..., :1, :], sides[..., 1:2, :]),
             np.broadcast_to(np.eye(3), (*sides.shape[:-2], 3, 3)),
         ],

@@ -25,6 +25,9 @@ NOBODY, BACK = -1, -2
 EDGE = 1e-9
 """The least weight over a triangle: on the edge between two, both may have a sample."""
 
+FLAT = 1e-12
+"""A triangle whose area is less than this share of its corners' distances is a line, but for rounding."""
+
 
 class Places(NamedTuple):
     """Where cameras are in the image, as functions of the sample."""
@@ -80,7 +83,7 @@ def _place(image: np.ndarray, width: int, height: int, places: Places, start: in
         # The rows of the adjugate: q = sum of weights times corners.
         rows = cross(b, d), cross(d, a), cross(a, b)
         determinant = dot(a, rows[0])
-        exists = True
+        exists = abs(determinant) > FLAT * math.sqrt(dot(a, a) * dot(b, b) * dot(d, d))
         for i in range(3):
             for k in range(3):
                 places.weights[c, i, k] = rows[i][k] / determinant

@@ -31,20 +31,33 @@ def soup(kind: str, count: int, seed: int = 0) -> np.ndarray:
 
 
 def assert_sound(tree: BoxTree, corners: np.ndarray) -> None:
-    """Each triangle stands in one leaf, boxes hold what is below them, and no box is larger than that."""
+    """Each triangle stands in one leaf, boxes hold what is below them, and no box is much larger than that."""
     assert tree.faces.dtype == np.int32
     assert sorted(tree.faces) == list(range(len(corners)))
     assert (tree.corners == corners[tree.faces]).all()
-    leaves = len(tree.low) // 2
-    assert leaves & (leaves - 1) == 0 and leaves * LEAF >= len(corners)
-    held = [np.zeros((0, 3))] * (2 * leaves)
-    for node in range(2 * leaves - 1, 0, -1):
-        start = (node - leaves) * LEAF
-        below = tree.corners[start : start + LEAF] if node >= leaves else [*held[2 * node], *held[2 * node + 1]]
-        held[node] = np.reshape(below, (-1, 3))
-        assert (tree.low[node] == held[node].min(axis=0, initial=np.inf)).all()
-        assert (tree.high[node] == held[node].max(axis=0, initial=-np.inf)).all()
-    assert len(held[1]) == 3 * len(corners)
+    assert tree.size[0] == len(tree.size)
+    largest = np.abs(corners).max(initial=0.0)
+    stands = np.zeros(len(corners), int)
+    for node in range(len(tree.size)):
+        below = slice(node, node + tree.size[node])
+        leaves = np.flatnonzero(tree.held[below] > 0) + node
+        held = [np.zeros((0, 3)), *(tree.corners[tree.first[n] :][: tree.held[n]].reshape(-1, 3) for n in leaves)]
+        points = np.concatenate(held)
+        if tree.size[node] == 1:
+            stands[tree.first[node] :][: tree.held[node]] += 1
+        else:
+            left = node + 1
+            assert tree.held[node] == 0 and tree.size[node] == 1 + tree.size[left] + tree.size[left + tree.size[left]]
+        if not len(points):
+            assert (tree.half[node] < 0.0).all()
+            continue
+        low, high = points.min(axis=0), points.max(axis=0)
+        slack = 1e-8 * (high - low) + 1e-10 * largest
+        assert (tree.middle[node] - tree.half[node] <= low).all() and (
+            tree.middle[node] + tree.half[node] >= high
+        ).all()
+        assert (2.0 * tree.half[node] <= high - low + slack).all()
+    assert (stands == 1).all()
 
 
 @pytest.mark.parametrize("kind", KINDS)
@@ -63,32 +76,33 @@ def test_a_tree_whose_triangles_moved_has_the_boxes_of_where_they_are(kind, afte
     assert (refitted.faces == tree.faces).all()
     assert_sound(refitted, moved)
     back = moved_tree(refitted, soup(kind, count, seed))
-    assert all((getattr(back, name) == getattr(tree, name)).all() for name in ("faces", "low", "high", "corners"))
+    assert all((getattr(back, name) == getattr(tree, name)).all() for name in BoxTree._fields)
 
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_the_same_triangles_give_the_same_tree(kind):
     corners = soup(kind, 300)
     one, other = make_tree(corners), make_tree(corners.copy())
-    assert all((getattr(one, name) == getattr(other, name)).all() for name in ("faces", "low", "high", "corners"))
+    assert all((getattr(one, name) == getattr(other, name)).all() for name in BoxTree._fields)
 
 
-def test_triangles_of_one_place_keep_their_order():
+def test_triangles_of_one_middle_share_a_leaf_and_others_do_not():
     corners = np.zeros((1000, 3, 3)) + (np.arange(1000) % 2)[:, None, None]
-    assert make_tree(corners).faces.tolist() == [*range(0, 1000, 2), *range(1, 1000, 2)]
+    tree = make_tree(corners)
+    assert tree.held.tolist() == [0, 500, 500]
+    assert make_tree(soup("anywhere", 1000)).held.max() <= LEAF
 
 
 def test_float32_corners_are_taken_as_they_are():
     corners = soup("anywhere", 20).astype(np.float32)
     tree = make_tree(corners)
-    assert tree.low.dtype == np.float64 and (tree.corners == corners[tree.faces]).all()
+    assert tree.middle.dtype == np.float64 and (tree.corners == corners[tree.faces]).all()
 
 
 def test_neighbours_share_boxes():
-    """Sorted at random, the leaves' boxes would each be as large as the whole."""
+    """Parted at random, the leaves' boxes would each be as large as the whole."""
     random = np.random.default_rng(3)
     corners = random.uniform(-1, 1, (4096, 1, 3)) + random.normal(scale=0.005, size=(4096, 3, 3))
     tree = make_tree(corners)
-    leaves = len(tree.low) // 2
-    extents = (tree.high - tree.low)[leaves:]
-    assert np.prod(extents, axis=1).mean() < 0.01 * np.prod(tree.high[1] - tree.low[1])
+    extents = tree.half[tree.held > 0]
+    assert np.prod(extents, axis=1).mean() < 0.01 * np.prod(tree.half[0])

@@ -6,14 +6,14 @@ decides by its own ray what it sees. A shader that is not listed has the name of
 | chapter of the thesis | what | module |
 | --- | --- | --- |
 | 6, 7.2, 7.3 | ray triangles: a camera's, or those of mirrors and lenses as the eye sees them | `ray_triangles` |
-| 2 | a pixel's ray, as polynomials of the image; each ray triangle's own part of it | `beams`, `domains` |
+| 2 | a sample's ray, as polynomials of the image | `beams` |
 | 3.1 to 3.6 | where a ray triangle sees a point: the cubic and its roots | `raytriangle` |
-| 3.7 | which scene triangles a ray triangle may see | `box_tree`, `plan` |
-| not in it | which of them it sees, and in which pieces of the image | `pairs`, `terms`, `pieces`, `polygons` |
-| not in it | which samples see a pair; the nearest pair of each sample | `pixels`; `visibility` |
+| 3.7 | which scene triangles a ray triangle may see | `box_tree`, `pairs`, `plan` |
+| not in it | whether a ray meets a scene triangle, by the pair's quadratics | `terms` |
+| not in it | what each sample sees: the nearest pair that its ray meets | `sights`, `looking` |
 | 4, 5 | in place of these two: straight lines between projected corners | `straight` |
 | 7.2.3 | rays that go on from a mirror seen in a mirror | `samples`, `following` |
-| not in it | where each sample's path ends, for the visibility buffer | `path_ends` |
+| not in it | where each sample's path ends, for the visibility buffer | `visibility`, `path_ends` |
 | | all of this for the rays of one bounce, and as the device reads it | `ray_layer`, `ray_records` |
 | | all bounces, and the frame | `trilinear` |
 """

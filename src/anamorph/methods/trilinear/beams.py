@@ -1,8 +1,8 @@
-"""Ray triangles as functions of the image: what a pixel's ray is, and which part of the image is theirs.
+"""Ray triangles as functions of the image: what a sample's ray is, and which part of the image they own samples in.
 
-At the image point q = (x, y, 1) the weights of the three rays are linear in q, up to a common factor that cancels:
-W = q P^-1, where the rows of P are the homogeneous image corners (x w, y w, w). So the ray's origin, its direction
-and the sum of the weights are linear in q as well:
+Places in the image are in samples from a sample's centre. At the place q = (x, y, 1) the weights of the three rays are
+linear in q, up to a common factor that cancels: W = q P^-1, where the rows of P are the homogeneous image corners
+(x w, y w, w). So the ray's origin, its direction and the sum of the weights are linear in q as well:
 
     o(q) = sum W_i o_i,    d(q) = sum W_i d_i,    s(q) = sum W_i,    the ray is o / s + t d / s,
 
@@ -15,32 +15,31 @@ Source: the ray triangle is that of Vallance 2005, equation 2.4; homogeneous ima
 from __future__ import annotations
 
 from collections.abc import Generator
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
-from anamorph.methods.trilinear.domains import extent_of, given_domains, own_domains
-from anamorph.raytriangle.boxes import SLACK, BoundingPlanes, beam_planes, bounding_planes
+from anamorph.raytriangle.camera_frames import Frames, frames_of
 from anamorph.raytriangle.scaled import checked
-
-FLAT = 1e-9
-"""A ray triangle whose image is thinner than this, as a share of its length, covers no pixel."""
-
 
 AT_ONCE = 1024
 """Ray triangles of one step."""
 
 
 class Beams(NamedTuple):
-    """K ray triangles, with places in pixels from a `center` each.
+    """K ray triangles, with places in samples from a `center` each.
 
     The six terms of a quadratic are those of x x, x y, y y, x, y and 1.
     """
 
     number: np.ndarray
-    """(K,) int32: which of the given ray triangles each one is: those that the image does not show are left out."""
+    """(K,) int32: which of the given ray triangles each one is."""
+    box: np.ndarray
+    """(K, 4) int64: the first column and row of the samples that it owns, and the last ones and one."""
     center: np.ndarray
-    """(K, 2) float64, whole pixels."""
+    """(K, 2) int64: the column and row of the sample that places are relative to."""
+    extent: np.ndarray
+    """(K, 4) float64: the middle of the box, and half its width and height from the first to the last centre."""
     anchor: np.ndarray
     """(K, 3) float64: the world point that origins and moments are relative to."""
     weights: np.ndarray
@@ -55,119 +54,67 @@ class Beams(NamedTuple):
     """(K, 6, 3) float64: s d."""
     moment: np.ndarray
     """(K, 6, 3) float64: d x o."""
-    domain: np.ndarray
-    """(K, C, 2) float64: the corners of the part of the image that is its own, a little enlarged."""
-    corners: np.ndarray
-    """(K,) int64: how many corners that has."""
-    extent: np.ndarray
-    """(K, 4) float64: the middle of the box around that part, and half its width and height."""
-    normals: np.ndarray
-    """(K, N, 3) float64: see `BoundingPlanes`."""
-    distances: np.ndarray
-    """(K, N) float64: relative to the world's origin, less their slack."""
-    spacing: float
-    """Pixels between samples, the first half of it from the image's corner: nothing is planned that no sample sees.
-    0 plans everything."""
     near: np.ndarray
     """(K,) float64: the t from which on things are seen."""
 
 
 def making_beams(
-    image: np.ndarray,
-    origins: np.ndarray,
-    directions: np.ndarray,
-    size: tuple[int, int],
-    near: float = 0.0,
-    spacing: float = 0.0,
-    domain: np.ndarray | None = None,
-) -> Generator[None, None, Beams]:
-    """The ray triangles that have a part in an image, in steps.
+    image: np.ndarray, origins: np.ndarray, directions: np.ndarray, box: np.ndarray, near: float = 0.0
+) -> Generator[None, None, tuple[Beams, Frames]]:
+    """Ray triangles as functions of the image, and by what they are culled, in steps.
 
     Parameters
     ----------
     image : (K, 3, 3) array
-        A row (x w, y w, w) for each corner, in pixels.
+        A row (x w, y w, w) for each corner, in samples from the first one's centre.
     origins, directions : (K, 3, 3) array
         A row for each ray; not all directions of a ray triangle may be 0.
-    size : (width, height)
-        Of the image, pixels.
+    box : (K, 4) int array
+        See `Beams`.
     near : float
         What is nearer than this, along its ray, is not seen; metres.
-    spacing : float
-        Pixels between samples; see `Beams`.
-    domain : (K, C, 2) array, optional
-        Corners of a convex part of the image, pixels, in either order around it, that each ray triangle has in place
-        of its own: its rays go on beyond its corners, as far as s is positive. One without an area is not shown.
 
     Raises
     ------
     AnamorphError
-        If a number is not finite, or all directions of a ray triangle are 0.
+        If a number of a ray is not finite, or all directions of a ray triangle are 0.
     """
+    origins, directions = checked(origins, directions)
     parts = []
     for first in range(0, max(len(image), 1), AT_ONCE):
         some = slice(first, first + AT_ONCE)
-        own = None if domain is None else domain[some]
-        part = _make_beams(image[some], origins[some], directions[some], size, near, spacing, own)
+        part = _make_beams(image[some], origins[some], directions[some], box[some], near)
         parts.append(part._replace(number=part.number + np.int32(first)))
         yield
-    if len(parts) == 1:
-        return parts[0]
-    arrays: dict[str, Any] = {
-        name: np.concatenate([getattr(part, name) for part in parts]) for name in Beams._fields if name != "spacing"
-    }
-    return Beams(spacing=spacing, **arrays)
+    beams = Beams(*(np.concatenate(columns) for columns in zip(*parts, strict=True)))
+    return beams, frames_of(origins, directions)
 
 
-def _make_beams(
-    image: np.ndarray,
-    origins: np.ndarray,
-    directions: np.ndarray,
-    size: tuple[int, int],
-    near: float,
-    spacing: float,
-    domain: np.ndarray | None,
-) -> Beams:
+def _make_beams(image: np.ndarray, origins: np.ndarray, directions: np.ndarray, box: np.ndarray, near: float) -> Beams:
     """The ray triangles of one step; see `making_beams`."""
-    image = np.asarray(image, float)
-    start = np.zeros((len(image), 2)) if domain is None else np.rint(np.mean(domain, axis=1))
+    box = np.asarray(box, np.int64).reshape(-1, 4)
+    center = (box[:, :2] + box[:, 2:]) // 2
+    middle, half = 0.5 * (box[:, :2] + box[:, 2:] - 1), 0.5 * (box[:, 2:] - box[:, :2] - 1)
     # Near its own place a small triangle keeps its digits.
-    image = image - image[..., 2:] * np.pad(start, ((0, 0), (0, 1)))[:, None]
-    length = np.linalg.norm(image, axis=-1)
-    flat = np.abs(np.linalg.det(image)) <= FLAT * np.prod(length, axis=-1) / max(*size, 1)
-    inverse = np.linalg.inv(np.where(flat[:, None, None], np.eye(3), image))
-    if domain is None:
-        part, corners = own_domains(inverse, size)
-    else:
-        part, corners = given_domains(np.asarray(domain, float) - start[:, None], inverse.sum(axis=2), start, size)
-    shown = np.flatnonzero(~flat & (corners >= 3))
-    image, origins, directions = (np.asarray(each, float)[shown] for each in (image, origins, directions))
-    inverse, part, corners, start = inverse[shown], part[shown], corners[shown], start[shown]
+    image = np.array(image, float)
+    image[..., :2] -= image[..., 2:] * center[:, None]
+    rows = np.cross(np.roll(image, -1, axis=1), np.roll(image, -2, axis=1))
+    # A common factor of the weights means nothing but by its sign: with this one they are about 1 in the middle.
+    sign = np.where(np.einsum("ki,ki->k", image[:, 0], rows[:, 0]) < 0.0, -1.0, 1.0)
+    inverse = (
+        rows.swapaxes(1, 2) * (sign / np.maximum(np.abs(rows[..., 2]).sum(axis=1), np.finfo(float).tiny))[:, None, None]
+    )
 
-    some = np.arange(part.shape[1]) < corners[:, None]
-    middle = np.where(some[..., None], part, 0.0).sum(axis=1) / np.maximum(corners, 1)[:, None]
-    center = np.rint(middle)
-    inverse = inverse.copy()
-    inverse[:, 2] += np.einsum("ki,kij->kj", center, inverse[:, :2])
-    # A common factor of the weights means nothing: with this one they are about 1 in the middle.
-    inverse /= np.maximum(np.abs(inverse[:, 2]).sum(axis=1), np.finfo(float).tiny)[:, None, None]
-
-    anchor = origins.mean(axis=1) if len(origins) else np.zeros((0, 3))
+    anchor = origins.mean(axis=1)
     origin = np.einsum("kqi,kix->kxq", inverse, origins - anchor[:, None])
     direction = np.einsum("kqi,kix->kxq", inverse, directions)
     scale = inverse.sum(axis=2)
     pace = np.linalg.norm(directions, axis=-1).max(axis=-1, initial=0.0)
-    near_t = near / np.maximum(pace, np.finfo(float).tiny)
-    part = part - center[:, None]
-    if domain is None:
-        planes = bounding_planes(origins, directions)
-    else:
-        checked(origins, directions)
-        planes = _planes_of(part, corners, origin, direction, scale, anchor)
-    slack = planes.slack + SLACK * np.abs(planes.distances)
     return Beams(
-        number=shown.astype(np.int32),
-        center=start + center,
+        number=np.arange(len(image), dtype=np.int32),
+        box=box,
+        center=center,
+        extent=np.concatenate([middle - center, half], axis=1),
         anchor=anchor,
         weights=inverse,
         origin=np.ascontiguousarray(origin),
@@ -175,34 +122,11 @@ def _make_beams(
         scale=scale,
         line=_products(np.einsum("kxq,kr->kqrx", direction, scale)),
         moment=_products(np.cross(direction.swapaxes(1, 2)[:, :, None], origin.swapaxes(1, 2)[:, None])),
-        domain=part,
-        corners=corners,
-        extent=extent_of(part, corners),
-        normals=planes.normals,
-        distances=planes.distances - slack,
-        spacing=spacing,
-        near=near_t,
+        near=near / np.maximum(pace, np.finfo(float).tiny),
     )
 
 
 def _products(outer: np.ndarray) -> np.ndarray:
     """Six terms (K, 6, 3) from the products (K, 3, 3, 3) of two linear functions' terms, those of x, y and 1."""
     pairs = ((0, 0), (0, 1), (1, 1), (0, 2), (1, 2), (2, 2))
-    terms = [outer[:, i, j] + (outer[:, j, i] if i != j else 0.0) for i, j in pairs]
-    return np.stack(terms, axis=1) if len(outer) else np.zeros((0, 6, 3))
-
-
-def _planes_of(
-    part: np.ndarray,
-    corners: np.ndarray,
-    origin: np.ndarray,
-    direction: np.ndarray,
-    scale: np.ndarray,
-    anchor: np.ndarray,
-) -> BoundingPlanes:
-    """The planes of all rays in parts (K, C, 2) of the image: those at a part's corners hold all others."""
-    used = np.where(np.arange(part.shape[1]) < corners[:, None], np.arange(part.shape[1]), 0)
-    place = np.concatenate([np.take_along_axis(part, used[..., None], axis=1), np.ones((*used.shape, 1))], axis=2)
-    s = np.einsum("kcq,kq->kc", place, scale)[..., None]
-    origins = place @ origin.swapaxes(1, 2) / s + anchor[:, None]
-    return beam_planes(origins, place @ direction.swapaxes(1, 2), np.arange(4) * corners[:, None] // 4)
+    return np.stack([outer[:, i, j] + (outer[:, j, i] if i != j else 0.0) for i, j in pairs], axis=1)

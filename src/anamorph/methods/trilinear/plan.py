@@ -1,20 +1,24 @@
-"""What all ray triangles of an image see: the pairs of ray triangle and scene triangle, on all the cores."""
+"""What all ray triangles of an image may see, and what their samples see of it, on all the cores."""
 
 from __future__ import annotations
 
 import threading
-from collections.abc import Generator
-from dataclasses import dataclass
+from collections.abc import Callable, Generator
+from typing import NamedTuple
 
 import numpy as np
 
 from anamorph.base.compiled import cores, steps_over_all_cores
 from anamorph.methods.trilinear.beams import Beams
 from anamorph.methods.trilinear.box_tree import BoxTree
-from anamorph.methods.trilinear.pairs import Own, fill
-from anamorph.methods.trilinear.pieces import Workspace, make_workspace
+from anamorph.methods.trilinear.looking import keep_shown, look
+from anamorph.methods.trilinear.pairs import Own, Workspace, fill, make_workspace
+from anamorph.methods.trilinear.sights import Sights
+from anamorph.raytriangle.camera_frames import Frames
 
-PIECES_A_PAIR = 4
+FIRST_PAIRS = 1024
+"""For which a thread's arrays have room at first."""
+
 SHARES_A_CORE = 4
 """Into how many shares the ray triangles are divided for each core at least: they are not all equally much work."""
 
@@ -22,78 +26,88 @@ LARGEST_SHARE = 64
 """Ray triangles: a share is worked out to its end once it is begun."""
 
 
-@dataclass(frozen=True, eq=False)
-class Plan:
-    """Pairs of a ray triangle and a scene triangle that it may see, and where in the image.
-
-    Parameters
-    ----------
-    pair : (P, 3) int32
-        The ray triangle, by its place in the `Beams`; the scene triangle; and 1 where that is seen from its front.
-    terms : (P, 24) float64
-        In places relative to the ray triangle's center: six terms (x x, x y, y y, x, y, 1) each of the quadratics whose
-        shares of their sum are the weights of the scene triangle's corners; three (x, y, 1) of N, and of N (t - near).
-        Inside, none of these is negative.
-    place : (T, 3, 2) float32
-        Triangles of the image, in pixels from the ray triangle's center, which together hold all that is inside.
-    owner : (T,) int32
-        The pair that each of them belongs to.
-    """
+class Plan(NamedTuple):
+    """Pairs of a ray triangle and a scene triangle that it may see."""
 
     pair: np.ndarray
+    """(P, 3) int32: the ray triangle, by its place in the `Beams`; the scene triangle; and 1 where that is seen from
+    its front."""
     terms: np.ndarray
-    place: np.ndarray
-    owner: np.ndarray
+    """(P, 24) float64, in places relative to the ray triangle's center: six terms (x x, x y, y y, x, y, 1) each of the
+    quadratics whose shares of their sum are the weights of the scene triangle's corners; three (x, y, 1) of N, and of
+    N (t - near). Inside, none of these is negative."""
 
 
 class Planner:
-    """Makes plans, in arrays that it keeps from one to the next."""
+    """Finds what ray triangles see, in arrays that it keeps from one frame to the next."""
 
     def __init__(self) -> None:
         self._thread = threading.local()
 
-    def planning(self, beams: Beams, tree: BoxTree, group: np.ndarray, own: Own) -> Generator[None, None, Plan]:
-        """Find what each ray triangle sees of the triangles of a tree, in steps; each belongs to a `group` (M,)."""
+    def planning(
+        self, beams: Beams, frames: Frames, tree: BoxTree, group: np.ndarray, own: Own
+    ) -> Generator[None, None, Plan]:
+        """Find the pairs of ray triangles and the triangles of a tree, in steps; each belongs to a `group` (M,)."""
+        found: dict[int, Plan] = {}
+
+        def keep(first: int, work: Workspace, pairs: int) -> None:
+            kept = keep_shown(beams, work, pairs)
+            found[first] = Plan(work.pair[:kept].copy(), work.terms[:kept].copy())
+
+        yield from self._going(beams, frames, tree, group, own, Sights.reserved((0, 0)), False, keep)
+        parts = [found[first] for first in sorted(found)] or [Plan(*make_workspace(0)[1::-1])]
+        return Plan(*(np.concatenate(columns) for columns in zip(*parts, strict=True)))
+
+    def looking(
+        self,
+        beams: Beams,
+        frames: Frames,
+        tree: BoxTree,
+        group: np.ndarray,
+        own: Own,
+        words: np.ndarray,
+        sights: Sights,
+    ) -> Generator[None, None, int]:
+        """Find what samples see, in steps: see `look`. Returns how many pairs were asked."""
+        asked: list[int] = []
+
+        def ask(first: int, work: Workspace, pairs: int) -> None:
+            look(beams, words, work, pairs, sights)
+            asked.append(pairs)
+
+        yield from self._going(beams, frames, tree, group, own, sights, True, ask)
+        return sum(asked)
+
+    def _going(
+        self,
+        beams: Beams,
+        frames: Frames,
+        tree: BoxTree,
+        group: np.ndarray,
+        own: Own,
+        sights: Sights,
+        by_rays: bool,
+        use: Callable[[int, Workspace, int], None],
+    ) -> Generator[None, None, None]:
+        """Call use(first, work, pairs) for the ray triangles from `first` on, as many as fit into a workspace."""
         count = len(beams.number)
         grain = min(max(1, -(-count // (SHARES_A_CORE * cores()))), LARGEST_SHARE)
-        found: dict[int, list[tuple[np.ndarray, ...]]] = {}
 
-        def work(start: int, stop: int) -> None:
-            found[start] = self._share(beams, tree, group, own, start, stop)
+        def share(start: int, stop: int) -> None:
+            while start < stop:
+                work = self._workspace()
+                following, pairs = fill(beams, frames, tree, group, own, sights, by_rays, start, stop, work)
+                if following == start:
+                    self._thread.work = make_workspace(2 * len(work.pair))
+                elif pairs:
+                    use(start, work, pairs)
+                start = following
 
-        yield from steps_over_all_cores(work, count, grain)
-        parts = [part for start in sorted(found) for part in found[start]]
-        if not parts:
-            parts = [self._copied(make_workspace(1, 1), 0, 0)]
-        first = np.cumsum([0, *(len(part[0]) for part in parts)])
-        owner = np.concatenate([part[3] + offset for part, offset in zip(parts, first, strict=False)])
-        pair, terms, place = (np.concatenate([part[i] for part in parts]) for i in range(3))
-        return Plan(pair, terms, place, owner.astype(np.int32))
-
-    def _share(
-        self, beams: Beams, tree: BoxTree, group: np.ndarray, own: Own, start: int, stop: int
-    ) -> list[tuple[np.ndarray, ...]]:
-        work = self._workspace()
-        parts = []
-        while start < stop:
-            following, pairs, pieces = fill(beams, tree, group, own, start, stop, work)
-            if pairs:
-                parts.append(self._copied(work, pairs, pieces))
-            if following == start:
-                work = self._thread.work = make_workspace(2 * len(work.pair), 2 * len(work.owner))
-            start = following
-        return parts
+        yield from steps_over_all_cores(share, count, grain)
 
     def _workspace(self) -> Workspace:
         """The calling thread's own arrays, as large as they have had to be."""
         if not hasattr(self._thread, "work"):
-            self._thread.work = make_workspace(1024, PIECES_A_PAIR * 1024)
+            self._thread.work = make_workspace(FIRST_PAIRS)
         work: Workspace = self._thread.work
         return work
-
-    @staticmethod
-    def _copied(work: Workspace, pairs: int, pieces: int) -> tuple[np.ndarray, ...]:
-        return (
-            work.pair[:pairs].copy(), work.terms[:pairs].copy(),
-            work.place[:pieces].copy(), work.owner[:pieces].copy(),
-        )  # fmt: skip

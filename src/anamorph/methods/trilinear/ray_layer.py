@@ -1,38 +1,35 @@
 """One layer of an image: the rays that leave the specular surfaces first met, or those that go on from a second one.
 
-Each layer plans what its rays see, finds it for each sample, and writes it over what the layer before has found. The
-first one's rays come from ray_triangles.py; those of the next follow from what it sees of mirrors.
+Each layer finds what its samples see, and is written over what the layer before has found. The first one's rays come
+from ray_triangles.py; those of the next follow from what it sees of mirrors.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Generator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import wgpu
 
 from anamorph.gpu.drawing import ProjectionUniform
 from anamorph.gpu.recording import Recorder
-from anamorph.gpu.visibility import VisibilityBuffer
+from anamorph.gpu.visibility import Rectangle, VisibilityBuffer
 from anamorph.methods.trilinear.beams import Beams, making_beams
 from anamorph.methods.trilinear.box_tree import BoxTree
-from anamorph.methods.trilinear.following import following_rays
+from anamorph.methods.trilinear.following import following_rays, sending
 from anamorph.methods.trilinear.pairs import FRONTS, Own
 from anamorph.methods.trilinear.path_ends import PathEnds
-from anamorph.methods.trilinear.pixels import seen_samples
-from anamorph.methods.trilinear.plan import Plan, Planner
-from anamorph.methods.trilinear.ray_records import following_records, pair_records, piece_records, triangle_records
+from anamorph.methods.trilinear.plan import Planner
+from anamorph.methods.trilinear.ray_records import add_before, triangle_records
 from anamorph.methods.trilinear.ray_triangles import RayTriangles
+from anamorph.methods.trilinear.sights import Sights
 from anamorph.methods.trilinear.visibility import Visibility
+from anamorph.raytriangle.camera_frames import Frames
 
-Straight = Callable[[np.ndarray, np.ndarray, np.ndarray, np.ndarray, np.ndarray], np.ndarray]
+Straight = Callable[[np.ndarray, np.ndarray, np.ndarray, np.ndarray, np.ndarray, np.ndarray], np.ndarray]
 """What makes pieces with straight edges: of ray triangles' images, origins and directions, all scene triangles'
-corners, and pairs of both."""
-
-AROUND = 1.0 / 8.0
-"""Pixels by which rays that follow are planned beyond the samples that ask for them. Next to the curved mirror that
-they left they spread wide: a whole pixel's may see all of the scene, of which a sample sees one point."""
+corners, pairs of both, and their words."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,6 +42,8 @@ class SceneTriangles:
     corners, normals : (F, 3, 3) float64
     group : (F,) int32
         See `body_groups`.
+    words : (F, 2) uint32
+        See `seen_words`.
     object : (F,) int32
         The object number of each.
     mirror : (F,) bool
@@ -56,112 +55,117 @@ class SceneTriangles:
     corners: np.ndarray
     normals: np.ndarray
     group: np.ndarray
+    words: np.ndarray
     object: np.ndarray
     mirror: np.ndarray
     near: float
 
 
 @dataclass(frozen=True, eq=False)
-class LayerPlan:
-    """What was planned for a layer in a frame, from which the next one follows.
+class LayerRays:
+    """The rays of a layer in a frame, from which those of the next one follow.
 
     Parameters
     ----------
     beams : Beams
-    plan : Plan
+    frames : Frames
+        By what they are culled.
     records : (K,) of `RAY_TRIANGLE`
         By the beams' numbers.
-    pairs : (P,) of `PAIR`
+    pairs : int
+        How many pairs of ray triangle and scene triangle were asked.
     """
 
     beams: Beams
-    plan: Plan
+    frames: Frames
     records: np.ndarray
-    pairs: np.ndarray
+    pairs: int = 0
 
 
 class RayLayer:
     """The rays of one bounce, of one line of the spectrum. What may take long is done in steps."""
 
-    def __init__(
-        self, visibility: Visibility, ends: PathEnds, size: tuple[int, int], straight: Straight | None = None
-    ) -> None:
+    def __init__(self, visibility: Visibility, ends: PathEnds, straight: Straight | None = None) -> None:
         self.visibility, self.ends = visibility, ends
-        self._size, self._straight = size, straight
-        # A straight edge may show what no ray sees.
-        self._spacing = 0.0 if straight is not None else 1.0 / visibility.kind.side
+        self.sights = Sights.reserved(visibility.size)
+        self._straight = straight
         self._planner = Planner()
 
-    def beams(self, rays: RayTriangles, triangles: SceneTriangles) -> Generator[None, None, Beams]:
-        """The rays that exist, as functions of the image."""
-        chosen = np.flatnonzero(rays.exists)
-        image, origins, directions = (each[chosen] for each in (rays.image, rays.origins, rays.directions))
-        beams = yield from making_beams(image, origins, directions, self._size, triangles.near, self._spacing)
-        return beams._replace(number=chosen[beams.number].astype(np.int32))
-
-    def plan(self, rays: RayTriangles, beams: Beams, triangles: SceneTriangles) -> Generator[None, None, Plan]:
-        """What the rays see."""
-        shown = beams.number
-        own = Own(rays.face[shown], rays.group[shown], rays.sees[shown])
-        return (yield from self._planner.planning(beams, triangles.tree, triangles.group, own))
-
     def first(
-        self, rays: RayTriangles, beams: Beams, records: np.ndarray, triangles: SceneTriangles
-    ) -> Generator[None, None, LayerPlan]:
-        """Take over the rays that leave the surfaces first met; `records` are those of `triangle_records`."""
-        plan = yield from self.plan(rays, beams, triangles)
-        pairs = pair_records(beams, plan, triangles.group > 0)
+        self,
+        rays: RayTriangles,
+        layer: LayerRays,
+        owner: np.ndarray,
+        rectangle: Rectangle,
+        triangles: SceneTriangles,
+    ) -> Generator[None, None, LayerRays]:
+        """Find what the rays see that leave the surfaces first met, in a rectangle whose samples' owners are known."""
+        self.sights.clear()
+        x0, y0, x1, y1 = rectangle
+        self.sights.owner[y0:y1, x0:x1] = owner
         if self._straight is None:
-            pieces = piece_records(beams, plan)
-        else:
-            # Those left out may have no direction at all.
-            image, origins, directions = (each[beams.number] for each in (rays.image, rays.origins, rays.directions))
-            pieces = self._straight(image, origins, directions, triangles.corners, plan.pair[:, :2])
-        self.visibility.write(records, pairs, pieces)
-        return LayerPlan(beams, plan, records, pairs)
+            return (yield from self._look(rays, layer, rectangle, triangles))
+        own = Own(*(each[layer.beams.number] for each in (rays.face, rays.group, rays.sees)))
+        plan = yield from self._planner.planning(layer.beams, layer.frames, triangles.tree, triangles.group, own)
+        number = layer.beams.number[plan.pair[:, 0]]
+        words = np.column_stack([number, triangles.words[plan.pair[:, 1], plan.pair[:, 2]]]).astype(np.uint32)
+        # Those left out may have no direction at all.
+        image, origins, directions = (each[layer.beams.number] for each in (rays.image, rays.origins, rays.directions))
+        self.visibility.write(rectangle, owner, layer.records, None)
+        self.visibility.write_straight(
+            self._straight(image, origins, directions, triangles.corners, plan.pair[:, :2], words)
+        )
+        return replace(layer, pairs=len(plan.pair))
 
     def follow(
-        self, before: LayerPlan, triangles: SceneTriangles, bounces: int
-    ) -> Generator[None, None, LayerPlan | None]:
-        """Take over the rays that mirrors send on which the layer before sees; None where it sees none.
+        self,
+        before: RayLayer,
+        rays_before: LayerRays,
+        rectangle: Rectangle,
+        triangles: SceneTriangles,
+        bounces: int,
+    ) -> Generator[None, None, LayerRays | None]:
+        """Find what the rays see that mirrors send on which the layer before sees; None where it sees none.
 
         Rays that have met `bounces` interfaces are not followed.
         """
-        pair = before.plan.pair
-        goes_on = before.records["met"][before.beams.number] < bounces
-        chosen = np.flatnonzero((pair[:, 2] == 1) & triangles.mirror[pair[:, 1]] & goes_on[pair[:, 0]])
-        box, count = seen_samples(before.plan, chosen, self._spacing)
-        chosen, box = chosen[count > 0], box[count > 0]
-        if not len(chosen):
+        self.sights.clear()
+        beams = rays_before.beams
+        goes_on = rays_before.records["met"][beams.number] < bounces
+        sent = sending(before.sights, beams, triangles.mirror, goes_on, rectangle)
+        found = following_rays(beams, sent, triangles.corners, triangles.normals)
+        met = np.flatnonzero(found.met)
+        if not len(met):
             return None
-        sent = following_rays(before.beams, before.plan, chosen, triangles.corners, triangles.normals)
         yield
-        # The rectangle of the samples that see the mirror: pieces may reach further.
-        low_high = box + AROUND * np.array([-1.0, -1.0, 1.0, 1.0])
-        domain = low_high[:, [[0, 1], [2, 1], [2, 3], [0, 3]]] + before.beams.center[pair[chosen, 0]][:, None]
-        beams = yield from making_beams(
-            sent.image, sent.origins, sent.directions, self._size, triangles.near, self._spacing, domain
-        )
-        if not len(beams.number):
-            return None
-        face = pair[chosen, 1]
-        number = len(chosen)
+        column, row = sent.place.T
+        numbers = np.cumsum(found.met) - 1
+        self.sights.owner[row, column] = np.repeat(np.where(found.met, numbers, -1), np.diff(sent.first))
+        image, origins, directions = found.image[met], found.origins[met], found.directions[met]
+        made = yield from making_beams(image, origins, directions, found.box[met], triangles.near)
+        face, number = sent.face[met], len(met)
         nothing, never = np.zeros(number, np.int32), np.zeros(number, bool)
         rays = RayTriangles(
-            sent.image, sent.origins, sent.directions, np.ones((number, 3)),
+            image, origins, directions, np.ones((number, 3)),
             np.ones(number, bool), never, never,
             face, triangles.object[face], triangles.group[face], np.full(number, FRONTS, np.int32), nothing,
         )  # fmt: skip
-        plan = yield from self.plan(rays, beams, triangles)
-        records = following_records(
-            triangle_records(rays, beams), beams, before.beams, before.plan, before.records, before.pairs, chosen
+        records = triangle_records(rays, made[0])
+        add_before(records, made[0], beams, rays_before.records, sent.ray_triangle[met])
+        yield
+        return (yield from self._look(rays, LayerRays(*made, records), rectangle, triangles))
+
+    def _look(
+        self, rays: RayTriangles, layer: LayerRays, rectangle: Rectangle, triangles: SceneTriangles
+    ) -> Generator[None, None, LayerRays]:
+        """Find what samples see whose owners are known."""
+        own = Own(*(each[layer.beams.number] for each in (rays.face, rays.group, rays.sees)))
+        pairs = yield from self._planner.looking(
+            layer.beams, layer.frames, triangles.tree, triangles.group, own, triangles.words, self.sights
         )
-        yield
-        pairs = pair_records(beams, plan, triangles.group > 0)
-        drawn = piece_corners(records, before.beams, before.plan, chosen)
-        yield
-        self.visibility.write(drawn, pairs, piece_records(beams, plan))
-        return LayerPlan(beams, plan, records, pairs)
+        x0, y0, x1, y1 = rectangle
+        self.visibility.write(rectangle, self.sights.owner[y0:y1, x0:x1], layer.records, self.sights.seen[y0:y1, x0:x1])
+        return replace(layer, pairs=pairs)
 
     def draw(
         self,
@@ -172,27 +176,11 @@ class RayLayer:
         depth: wgpu.GPUTextureView | None,
         line: int,
     ) -> Generator[None, None, wgpu.GPUCommandEncoder]:
-        """Find what is seen, and write it into a line of the visibility buffer; returns the encoder to go on with.
+        """Write what is seen into a line of the visibility buffer; returns the encoder to go on with.
 
-        With a `depth`, rays that are drawn on surfaces are only found where these are not behind it.
+        With a `depth`, only samples are written whose mirror or lens is not behind it.
         """
-        depth = None if self.visibility.kind.bare else depth
-        encoder = yield from self.visibility.draw(encoder, recorder, projection, depth)
+        if self._straight is not None:
+            encoder = yield from self.visibility.draw(encoder, recorder, projection)
         self.ends.draw(encoder, projection, found, depth, line)
-        if self.visibility.many:
-            encoder = recorder.part(encoder)
-            yield
         return encoder
-
-
-def piece_corners(records: np.ndarray, beams: Beams, plan: Plan, chosen: np.ndarray) -> np.ndarray:
-    """Following ray triangles, once for each piece of their pairs, which is where they are drawn; (T,)."""
-    row = np.full(len(plan.pair), -1)
-    row[chosen] = np.arange(len(chosen))
-    pieces = np.flatnonzero(row[plan.owner] >= 0)
-    pair = plan.owner[pieces]
-    drawn = records[row[pair]]
-    place = plan.place[pieces] + beams.center[plan.pair[pair, 0]][:, None]
-    for corner in range(3):
-        drawn[f"corner_{corner}"][:, :2], drawn[f"corner_{corner}"][:, 2] = place[:, corner], 1.0
-    return drawn[drawn["number"] > 0]

@@ -1,24 +1,16 @@
-"""Ray triangles, and what they see, as visibility.wgsl reads them."""
+"""Ray triangles, and what they see, as the shaders read them."""
 
 from __future__ import annotations
 
 import numpy as np
 
 from anamorph.methods.trilinear.beams import Beams
-from anamorph.methods.trilinear.plan import Plan
 from anamorph.methods.trilinear.ray_triangles import RayTriangles
 from anamorph.projection import camera_projection
 from anamorph.scene.camera import Camera
 
-PAIR = np.dtype([("terms", "f4", 24), ("center", "f4", 2), ("ray_triangle", "u4"), ("seen", "u4")])
-
-PIECE = np.dtype([("place", "f4", 6), ("pair", "u4")])
-
 RAY_TRIANGLE = np.dtype(
     [
-        ("corner_0", "f4", 3), ("center_x", "f4"),
-        ("corner_1", "f4", 3), ("center_y", "f4"),
-        ("corner_2", "f4", 3), ("number", "u4"),
         ("direction_x", "f4", 3), ("face", "u4"),
         ("direction_y", "f4", 3), ("object", "u4"),
         ("direction_one", "f4", 3), ("scale_x", "f4"),
@@ -29,7 +21,8 @@ RAY_TRIANGLE = np.dtype(
         ("incident_x", "f4", 3), ("transmittance_one", "f4"),
         ("incident_y", "f4", 3), ("lens", "u4"),
         ("incident_one", "f4", 3), ("inner", "u4"),
-        ("before", "u4"), ("through", "u4"), ("first", "u4"), ("met", "u4"),
+        ("center_x", "f4"), ("center_y", "f4"), ("first", "u4"), ("met", "u4"),
+        ("exists", "u4"), ("padding", "u4", 3),
     ]
 )  # fmt: skip
 
@@ -50,16 +43,13 @@ SPECULAR = np.uint32(0x80000000)
 
 
 def triangle_records(rays: RayTriangles, beams: Beams) -> np.ndarray:
-    """All ray triangles, (K,) of `RAY_TRIANGLE`. Those that the image does not show are left at zero but for where
-    they are, and have no number."""
+    """All ray triangles, (K,) of `RAY_TRIANGLE`. Those without rays are left at zero but for what they are."""
     records = np.zeros(len(rays.image), RAY_TRIANGLE)
-    for corner in range(3):
-        records[f"corner_{corner}"] = rays.image[:, corner]
     records["face"], records["object"], records["first"] = np.maximum(rays.face, 0), rays.object, rays.object
     records["lens"], records["inner"] = rays.lens, TOTAL * rays.total + BY_EDGE * rays.by_edge
     records["met"] = np.where(rays.lens > 0, 2, np.where(rays.object > 0, 1, 0))
     shown = beams.number
-    records["number"][shown] = shown + 1
+    records["exists"][shown] = 1
     records["anchor"][shown] = beams.anchor
     records["center_x"][shown], records["center_y"][shown] = beams.center.T
     transmittance = np.einsum("kqi,ki->kq", beams.weights, rays.transmittance[shown])
@@ -71,52 +61,39 @@ def triangle_records(rays: RayTriangles, beams: Beams) -> np.ndarray:
     return records
 
 
-def going_on(beams: Beams, records: np.ndarray, bounces: int) -> Beams:
-    """The beams of the rays that have met no more than `bounces` interfaces; the records of the others say so."""
+def ending(records: np.ndarray, bounces: int) -> np.ndarray:
+    """Which rays have met more than `bounces` interfaces, (K,) bool; the records say so from now on."""
     ends = records["met"] > bounces
-    if not ends.any():
-        return beams
     records["inner"][ends] = records["inner"][ends] & BY_EDGE | ENDS
-    kept = ~ends[beams.number]
-    return beams._replace(**{name: each[kept] for name, each in beams._asdict().items() if np.ndim(each)})
+    return ends
 
 
 def add_incident(
-    records: np.ndarray, beams: Beams, camera: Camera, size: tuple[int, int], shift: tuple[float, float]
+    records: np.ndarray, beams: Beams, camera: Camera, size: tuple[int, int], side: int, shift: tuple[float, float]
 ) -> None:
-    """Tell ray triangles how the eye looks at them."""
+    """Tell ray triangles how the eye looks at them, in an image of `size` pixels with `side` samples along a side."""
     looks = camera_projection(camera, size, shift)
-    x, y = 2.0 / size[0] * looks.right, -2.0 / size[1] * looks.up
+    x, y = 2.0 / (side * size[0]) * looks.right, -2.0 / (side * size[1]) * looks.up
     records["incident_x"], records["incident_y"] = x, y
-    middle = beams.center[:, :1] * x + beams.center[:, 1:] * y
+    middle = (beams.center[:, :1] + 0.5) * x + (beams.center[:, 1:] + 0.5) * y
     records["incident_one"][beams.number] = looks.base - looks.right + looks.up + middle
 
 
-def following_records(
-    records: np.ndarray,
-    beams: Beams,
-    before: Beams,
-    plan: Plan,
-    sources: np.ndarray,
-    pairs: np.ndarray,
-    chosen: np.ndarray,
-) -> np.ndarray:
-    """Ray triangles that follow the `chosen` pairs of a plan: what they follow, and how light came to them.
+def add_before(records: np.ndarray, beams: Beams, before: Beams, sources: np.ndarray, ray_triangle: np.ndarray) -> None:
+    """Tell ray triangles what they follow, and how light came to them.
 
     Parameters
     ----------
     records : (S,) of `RAY_TRIANGLE`
-        Theirs, changed and returned.
+        Theirs, changed.
     beams : Beams
         Theirs.
-    before, plan, sources, pairs
-        The beams, plan, ray triangles and pairs that they follow.
-    chosen : (S,) int array
-        Rows of the plan.
+    before, sources
+        The beams and records of those that they follow.
+    ray_triangle : (S,) int array
+        Which of `before` each follows.
     """
-    ray_triangle = plan.pair[chosen, 0]
     source = sources[before.number[ray_triangle]]
-    records["before"], records["through"] = source["number"], pairs["seen"][chosen]
     records["first"] = np.where(source["first"] > 0, source["first"], records["object"])
     records["met"] = source["met"] + 1
     shown = beams.number
@@ -124,25 +101,13 @@ def following_records(
     moved = beams.center - before.center[ray_triangle[shown]]
     records["incident_x"][shown], records["incident_y"][shown] = incoming[:, :, 0], incoming[:, :, 1]
     records["incident_one"][shown] = incoming[:, :, 2] + np.einsum("kij,kj->ki", incoming[:, :, :2], moved)
-    return records
 
 
-def pair_records(beams: Beams, plan: Plan, fronts: np.ndarray) -> np.ndarray:
-    """The pairs, (P,) of `PAIR`; `fronts` (F,) says which scene triangles have a specular front."""
-    ray_triangle, face, side = plan.pair.T
-    records = np.zeros(len(plan.pair), PAIR)
-    records["terms"], records["center"] = plan.terms, beams.center[ray_triangle]
-    records["ray_triangle"] = beams.number[ray_triangle] + 1
-    records["seen"] = face + 1 + np.where(fronts[face] & (side == 1), SPECULAR, np.uint32(0))
-    return records
-
-
-def piece_records(beams: Beams, plan: Plan) -> np.ndarray:
-    """The pieces, (T,) of `PIECE`."""
-    records = np.zeros(len(plan.owner), PIECE)
-    place = plan.place + beams.center[plan.pair[plan.owner, 0]][:, None]
-    records["place"], records["pair"] = place.reshape(-1, 6), plan.owner
-    return records
+def seen_words(fronts: np.ndarray) -> np.ndarray:
+    """The words that say that a scene triangle is seen, from its back and from its front, (F, 2) uint32; `fronts` (F,)
+    are those that have a specular front."""
+    face = np.arange(1, len(fronts) + 1, dtype=np.uint32)
+    return np.column_stack([face, face | np.where(fronts, SPECULAR, np.uint32(0))])
 
 
 def lens_records(edges: np.ndarray, first_face: np.ndarray) -> np.ndarray:

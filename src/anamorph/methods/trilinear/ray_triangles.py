@@ -28,7 +28,7 @@ class RayTriangles:
     transmittance : (K, 3) float64
         What share of the light goes this way; 1 for mirrors, whose reflectance the pixels find for themselves.
     exists : (K,) bool
-        Whether there are rays at all, and on a surface, whether the eye sees its front.
+        Whether there are rays at all.
     total, by_edge : (K,) bool
         Whether reflection in the glass is total, and whether some rays leave it by its edge.
     face : (K,) int32
@@ -53,6 +53,10 @@ class RayTriangles:
     group: np.ndarray
     sees: np.ndarray
     lens: np.ndarray
+
+    def chosen(self, rows: np.ndarray) -> RayTriangles:
+        """Some of them."""
+        return RayTriangles(*(getattr(self, name)[rows] for name in self.__dataclass_fields__))
 
 
 def camera_triangles(rays: RayMesh) -> RayTriangles:
@@ -106,12 +110,10 @@ def _lens_sides(bodies: Sequence[Body]) -> list[Side]:
 
 def _side_triangles(side: Side, rays: RayMesh, geometry: Geometry, group: int, lens: int) -> RayTriangles:
     count = len(rays.faces)
-    # Triangles that turn their front to the eye are clockwise in the image, whose y points down.
-    fronts = np.linalg.det(rays.image[rays.faces]) < 0.0
     return RayTriangles(
         *_corners(rays),
         np.ones((count, 3)) if rays.transmittance is None else rays.transmittance[rays.faces],
-        _any_direction(rays) & fronts,
+        _any_direction(rays),
         (rays.status == RayStatus.TOTAL_REFLECTION)[rays.faces].any(axis=1),
         _beyond_edge(side, rays.origins)[rays.faces].any(axis=1) if lens else np.zeros(count, bool),
         side.triangles.astype(np.int32),

@@ -21,8 +21,8 @@ import numpy as np
 from anamorph.base.compiled import inlined
 from anamorph.methods.trilinear.beams import Beams
 
-ROUNDING = 8.0 * 2.0**-24
-"""What float32 may lose of a quadratic's value, as a share of its terms: eight roundings."""
+ROUNDING = 16.0 * 2.0**-53
+"""What float64 may lose of a quadratic's value, as a share of its terms: sixteen roundings."""
 
 TERMS = 24
 """Numbers a pair: the quadratics of its three corners' weights, times s N; N; and N (t - near)."""
@@ -72,25 +72,36 @@ def bending(terms: np.ndarray, first: int, x: float, y: float) -> float:
 
 
 @inlined
-def lies_beyond(beams: Beams, k: int, a: np.ndarray, b: np.ndarray, sign: float, terms: np.ndarray, first: int) -> bool:
-    """Find the quadratic of an edge's side; whether it is negative all over the ray triangle's part of the image."""
-    _edge(beams, k, a, b, sign, terms, first)
-    x, y, half_x, half_y = beams.extent[k]
+def _most(terms: np.ndarray, first: int, x: float, y: float, half_x: float, half_y: float) -> float:
+    """What a quadratic is at most, and rounding, in a box of this middle and half these sides."""
     value, slope_x, slope_y = quadratic(terms, first, x, y)
     rise = abs(slope_x) * half_x + abs(slope_y) * half_y + bending(terms, first, half_x, half_y)
-    reach_x, reach_y = abs(x) + half_x, abs(y) + half_y
-    return value + rise < -_rounding(terms, first, reach_x, reach_y)
+    return value + rise + _rounding(terms, first, abs(x) + half_x, abs(y) + half_y)
+
+
+@inlined
+def lies_beyond(beams: Beams, k: int, a: np.ndarray, b: np.ndarray, sign: float, terms: np.ndarray, first: int) -> bool:
+    """Find the quadratic of an edge's side; whether it is negative all over the ray triangle's box of samples."""
+    _edge(beams, k, a, b, sign, terms, first)
+    x, y, half_x, half_y = beams.extent[k]
+    return _most(terms, first, x, y, half_x, half_y) < 0.0
 
 
 @inlined
 def _rounding(terms: np.ndarray, first: int, x: float, y: float) -> float:
-    """What float32 may lose of a quadratic within (x, y) of the center."""
+    """What float64 may lose of a quadratic within (x, y) of the center."""
     size = abs(terms[first]) * x * x + abs(terms[first + 1]) * x * y + abs(terms[first + 2]) * y * y
     return ROUNDING * (size + abs(terms[first + 3]) * x + abs(terms[first + 4]) * y + abs(terms[first + 5]))
 
 
 @inlined
-def widen(terms: np.ndarray, x: float, y: float) -> None:
-    """Let each side be inside by what float32 may lose within (x, y) of the center, so that no pixel falls between."""
+def falls_short(terms: np.ndarray, x: float, y: float, half_x: float, half_y: float) -> bool:
+    """Whether one of a pair's functions is negative all over a box, by its middle and half its sides."""
     for first in (0, 6, 12):
-        terms[first + 5] += _rounding(terms, first, x, y)
+        if _most(terms, first, x, y, half_x, half_y) < 0.0:
+            return True
+    for first in (ACROSS, AHEAD):
+        a, b = terms[first], terms[first + 1]
+        if a * x + b * y + terms[first + 2] + abs(a) * half_x + abs(b) * half_y < 0.0:
+            return True
+    return False

@@ -1,14 +1,13 @@
-"""Which scene triangle each sample's ray meets, on the device: what `plan` has planned, asked for per sample.
+"""What the samples of an image see, handed to the device; with straight edges it is found there.
 
-Two passes, without a ray being cast: the ray triangles, each sample getting the one whose part of the image it is in;
-and the pieces of all pairs, of which each sample keeps the nearest that holds it.
+Each sample has a ray triangle, and a word that says which scene triangle its ray meets first. Straight edges are drawn:
+of the pieces of all pairs, each sample keeps the nearest that holds it.
 """
 
 from __future__ import annotations
 
 from collections.abc import Generator, Sequence
-from dataclasses import dataclass, replace
-from typing import Any
+from dataclasses import dataclass
 
 import numpy as np
 import wgpu
@@ -19,11 +18,12 @@ from anamorph.gpu.device import get_device, of_device
 from anamorph.gpu.drawing import ProjectionUniform, bind_scene, make_pipeline
 from anamorph.gpu.recording import Recorder
 from anamorph.gpu.shaders import shader_module
-from anamorph.gpu.targets import COLOR_FORMAT, Target, begin_pass, make_target
-from anamorph.methods.trilinear.ray_records import RAY_TRIANGLE
+from anamorph.gpu.targets import COLOR_FORMAT, begin_pass, make_target, make_texture
+from anamorph.gpu.visibility import Rectangle
 
 NUMBER_FORMAT = "r32uint"
 WEIGHTS_FORMAT = "rg32float"
+NEARNESS_FORMAT = "r32float"
 
 AT_ONCE = 3 * 2**13
 """Corners of pieces that the device is given at once."""
@@ -31,55 +31,41 @@ AT_ONCE = 3 * 2**13
 
 @of_device
 def data_layout() -> wgpu.GPUBindGroupLayout:
-    """The layout of group 2: the scene, the ray triangles, the pairs, the pieces and the lenses."""
-    return layout_of(*6 * [STORAGE], stages=wgpu.ShaderStage.VERTEX | wgpu.ShaderStage.FRAGMENT)
+    """The layout of group 2: the scene, the ray triangles, the pieces with straight edges, and the lenses."""
+    return layout_of(*5 * [STORAGE], stages=wgpu.ShaderStage.VERTEX | wgpu.ShaderStage.FRAGMENT)
 
 
 @of_device
 def views_layout() -> wgpu.GPUBindGroupLayout:
     """The layout of group 3: the samples' ray triangles, what these see, and with straight edges the weights there; for
-    rays that go on, the throughput before them."""
-    unfiltered = texture(filterable=False)
-    return layout_of(numbers(), numbers(), unfiltered, unfiltered)
+    rays that go on, the throughput before them; and the depth of what the samples are on."""
+    return layout_of(*2 * [numbers()], *3 * [texture(filterable=False)])
 
 
 @of_device
 def _unused(form: str) -> wgpu.GPUTextureView:
     """Stands in for a texture that nothing reads."""
-    return make_target((1, 1), (form,)).textures[0].create_view()
+    return make_texture((1, 1), form).create_view()
 
 
-@dataclass(frozen=True, eq=False)
-class Views:
-    """What each sample of an image sees.
-
-    Parameters
-    ----------
-    owners, seen : Target
-        The samples' ray triangles, and what they see; both with one depth, that of what is seen.
-    """
-
-    owners: Target
-    seen: Target
-
-    @property
-    def textures(self) -> list[wgpu.GPUTexture]:
-        """Of both."""
-        return [*self.owners.textures, *self.seen.textures]
+def bind_views(textures: Sequence[wgpu.GPUTexture | None]) -> wgpu.GPUBindGroup:
+    """Group 3; what is not given is not read."""
+    formats = NUMBER_FORMAT, NUMBER_FORMAT, WEIGHTS_FORMAT, COLOR_FORMAT, NEARNESS_FORMAT
+    views = [
+        _unused(form) if each is None else each.create_view() for each, form in zip(textures, formats, strict=True)
+    ]
+    return bind(views_layout(), views)
 
 
-def bind_views(textures: Sequence[wgpu.GPUTexture], throughput: wgpu.GPUTexture | None = None) -> wgpu.GPUBindGroup:
-    """Group 3: the first of its textures, in their order, and the last; what is not given is not read."""
-    formats = NUMBER_FORMAT, NUMBER_FORMAT, WEIGHTS_FORMAT, COLOR_FORMAT
-    views = [*(each.create_view() for each in textures), *map(_unused, formats[len(textures) :])]
-    return bind(views_layout(), [*views[:3], views[3] if throughput is None else throughput.create_view()])
-
-
-def make_views(size: tuple[int, int], straight: bool) -> Views:
-    """Targets for an image of `size` (width, height), samples."""
-    owners = make_target(size, (NUMBER_FORMAT,))
-    seen = make_target(size, (NUMBER_FORMAT, WEIGHTS_FORMAT)[: 1 + straight], depth=owners.depth)
-    return Views(owners, seen)
+def put(held: wgpu.GPUTexture, rectangle: Rectangle, values: np.ndarray) -> None:
+    """Replace a rectangle of a texture of numbers of four bytes."""
+    x0, y0, x1, y1 = rectangle
+    get_device().queue.write_texture(
+        {"texture": held, "origin": (x0, y0, 0)},
+        np.ascontiguousarray(values),
+        {"bytes_per_row": 4 * (x1 - x0), "rows_per_image": y1 - y0},
+        (x1 - x0, y1 - y0, 1),
+    )
 
 
 @dataclass(frozen=True)
@@ -88,18 +74,15 @@ class Kind:
 
     Parameters
     ----------
-    bare : bool
-        Whether ray triangles are drawn where their own image says, or where the surface is that they are on.
-    side : int
-        Samples along each side of a pixel.
+    hidden : bool
+        Whether something may stand before the mirrors and lenses: there are none for a ray mesh that is the camera.
     straight : bool
         Whether scene triangles have straight edges, and what lies between their corners is interpolated.
     glass : bool
         Whether some ray triangles are on lenses.
     """
 
-    bare: bool
-    side: int
+    hidden: bool
     straight: bool
     glass: bool
 
@@ -115,102 +98,81 @@ class Visibility:
     size : (width, height)
         Of the image, samples.
     kind : Kind
-    before : Visibility, optional
-        Whose rays these send on.
 
     Attributes
     ----------
-    views : Views
-    count : int
-        How many ray triangles there are.
+    owners, seen : texture
+        Each sample's ray triangle, and the word of what it sees.
+    weights : texture or None
+        With straight edges, those of its second and third corner.
     """
 
-    def __init__(
-        self,
-        buffers: SceneBuffers,
-        lenses: wgpu.GPUBuffer,
-        size: tuple[int, int],
-        kind: Kind,
-        before: Visibility | None = None,
-    ) -> None:
-        self._buffers, self._lenses, self.kind = buffers, lenses, kind
-        straight = kind.straight
-        self.views = make_views(size, straight)
-        self._owned = bind_views(self.views.owners.textures)
-        self._source = bind_views([] if before is None else before.views.textures)
-        self._held: list[wgpu.GPUBuffer | None] = [None, None, None]
+    def __init__(self, buffers: SceneBuffers, lenses: wgpu.GPUBuffer, size: tuple[int, int], kind: Kind) -> None:
+        self._buffers, self._lenses, self.size, self.kind = buffers, lenses, size, kind
+        self.owners = make_texture(size, NUMBER_FORMAT)
+        self._held: list[wgpu.GPUBuffer | None] = [None, None]
         self._data: wgpu.GPUBindGroup | None = None
-        self._corners, self.count = 0, 0
-        module = shader_module(f"methods/trilinear/{'straight/straight' if straight else 'visibility'}.wgsl")
-
-        def pipeline(vertex: str, fragment: str, target: Target, **settings: Any) -> wgpu.GPURenderPipeline:
-            formats = tuple(each.format for each in target.textures)
-            groups = data_layout(), views_layout()
-            return make_pipeline(module, vertex, fragment, formats, buffers=(), groups=groups, **settings)
-
-        drawn, cull, nearest = ("bare", "none", "greater") if kind.bare else ("surface", "back", "greater-equal")
-        entry = "owner" if before is None else "following_owner"
-        self._owner = pipeline(f"{drawn}_owner_vertex", entry, self.views.owners, cull=cull, depth_compare=nearest)
-        pieces = ("straight_vertex", "straight_visible") if straight else ("piece_vertex", "visible")
-        self._visible = pipeline(*pieces, self.views.seen, constants={"PIXEL": 1.0 / kind.side})
+        self._corners = 0
+        formats = (NUMBER_FORMAT, WEIGHTS_FORMAT) if kind.straight else (NUMBER_FORMAT,)
+        self._target = make_target(size, formats)
+        self.seen, self.weights = self._target.textures[0], self._target.textures[1] if kind.straight else None
+        if kind.straight:
+            self._owned = bind_views([self.owners, *4 * [None]])
+            self._pieces = make_pipeline(
+                shader_module("methods/trilinear/straight/straight.wgsl"), "straight_vertex", "straight_visible",
+                formats, buffers=(), groups=(data_layout(), views_layout()),
+            )  # fmt: skip
 
     @property
-    def many(self) -> bool:
-        """Whether there are so many pieces that the device is given them in parts."""
-        return self._corners > AT_ONCE
+    def depth(self) -> wgpu.GPUTextureView:
+        """A depth that nothing is behind."""
+        return self._target.depth
 
-    def write(self, triangles: np.ndarray, pairs: np.ndarray, pieces: np.ndarray) -> None:
-        """Take over ray triangles (K,) of `RAY_TRIANGLE`, pairs of `PAIR`, and pieces as the shader reads them."""
-        assert triangles.dtype == RAY_TRIANGLE
-        self.count, self._corners = len(triangles), 3 * len(pieces)
-        contents = [each if len(each) else np.zeros(1, each.dtype) for each in (triangles, pairs, pieces)]
-        held = [grown_buffer(buffer, content.nbytes) for buffer, content in zip(self._held, contents, strict=True)]
-        if held != self._held:
-            self._held = list(held)
-            self._data = bind(data_layout(), [self._buffers.vertices, self._buffers.indices, *held, self._lenses])
-        for buffer, content in zip(held, contents, strict=True):
-            get_device().queue.write_buffer(buffer, 0, content)
+    def write(self, rectangle: Rectangle, owners: np.ndarray, triangles: np.ndarray, seen: np.ndarray | None) -> None:
+        """Take over, of a rectangle, the samples' ray triangles and what these see; and the ray triangles, (K,) of
+        `RAY_TRIANGLE`."""
+        put(self.owners, rectangle, owners)
+        if seen is not None:
+            put(self.seen, rectangle, seen)
+        self._hold(0, triangles)
+
+    def write_straight(self, pieces: np.ndarray) -> None:
+        """Take over pieces (T, 3) of `STRAIGHT_CORNER`."""
+        self._corners = pieces.size
+        self._hold(1, pieces)
+
+    def _hold(self, place: int, content: np.ndarray) -> None:
+        content = content if content.size else np.zeros(1, content.dtype)
+        held = grown_buffer(self._held[place], content.nbytes)
+        if held != self._held[place]:
+            self._held[place], self._data = held, None
+        get_device().queue.write_buffer(held, 0, content)
 
     def draw(
-        self,
-        encoder: wgpu.GPUCommandEncoder,
-        recorder: Recorder,
-        projection: ProjectionUniform,
-        depth: wgpu.GPUTextureView | None = None,
+        self, encoder: wgpu.GPUCommandEncoder, recorder: Recorder, projection: ProjectionUniform
     ) -> Generator[None, None, wgpu.GPUCommandEncoder]:
-        """Find every sample's ray triangle, and what it sees.
-
-        With a `depth`, ray triangles are only found where nothing nearer is in it, and leave their own.
+        """Find what each sample sees, with straight edges.
 
         Many pieces are handed to the device in parts, each a step; returns the encoder to go on with.
         """
-        owners = self.views.owners if depth is None else replace(self.views.owners, depth=depth)
-        render_pass = begin_pass(encoder, owners, keep_depth=depth is not None)
-        self._draw(render_pass, projection, self._owner, self._source, range(3 * self.count))
         for first in range(0, max(self._corners, 1), AT_ONCE):
             if first:
                 encoder = recorder.part(encoder)
                 yield
-            some = range(first, min(first + AT_ONCE, self._corners))
-            render_pass = begin_pass(encoder, self.views.seen, clear=first == 0)
-            self._draw(render_pass, projection, self._visible, self._owned, some)
+            render_pass = begin_pass(encoder, self._target, clear=first == 0)
+            self.bind(render_pass, projection, self._owned)
+            render_pass.set_pipeline(self._pieces)
+            render_pass.draw(min(AT_ONCE, self._corners - first), 1, first)
+            render_pass.end()
         return encoder
 
-    def _draw(
-        self,
-        render_pass: wgpu.GPURenderPassEncoder,
-        projection: ProjectionUniform,
-        pipeline: wgpu.GPURenderPipeline,
-        group: wgpu.GPUBindGroup,
-        corners: range,
+    def bind(
+        self, render_pass: wgpu.GPURenderPassEncoder, projection: ProjectionUniform, views: wgpu.GPUBindGroup
     ) -> None:
+        """Bind the scene, this, and views of it."""
+        if self._data is None:
+            held = [each or self._buffers.indices for each in self._held]
+            self._data = bind(data_layout(), [self._buffers.vertices, self._buffers.indices, *held, self._lenses])
         bind_scene(render_pass, self._buffers, projection)
-        self.bind(render_pass)
-        render_pass.set_bind_group(3, group)
-        render_pass.set_pipeline(pipeline)
-        render_pass.draw(len(corners), 1, corners.start)
-        render_pass.end()
-
-    def bind(self, render_pass: wgpu.GPURenderPassEncoder) -> None:
-        """Bind group 2."""
         render_pass.set_bind_group(2, self._data)
+        render_pass.set_bind_group(3, views)

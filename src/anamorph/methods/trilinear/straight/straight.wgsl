@@ -5,11 +5,12 @@
 // corner, and t.
 struct StraightCorner {
     x: f32, y: f32, second: f32, third: f32, t: f32,
-    pair: u32,
+    // The ray triangle, and what is written where it is seen.
+    owner: u32, seen: u32,
 }
 
-// Three to a piece. They stand in for the pieces.
-@group(2) @binding(4) var<storage, read> straight_corners: array<StraightCorner>;
+// Three to a piece.
+@group(2) @binding(3) var<storage, read> straight_corners: array<StraightCorner>;
 
 struct StraightFragment {
     @builtin(position) pixel: vec4f,
@@ -18,12 +19,17 @@ struct StraightFragment {
     @location(1) @interpolate(flat) numbers: vec2u,
 }
 
+// An image point in pixels in clip space, at a depth of one half.
+fn image_clip(place: vec2f) -> vec4f {
+    let size = projection.size.xy;
+    return vec4f(2.0 * place.x / size.x - 1.0, 1.0 - 2.0 * place.y / size.y, 0.5, 1.0);
+}
+
 @vertex
 fn straight_vertex(@builtin(vertex_index) index: u32) -> StraightFragment {
     let corner = straight_corners[index];
-    let pair = pairs[corner.pair];
-    let clip = image_clip(vec3f(corner.x, corner.y, 1.0));
-    return StraightFragment(clip, vec3f(corner.second, corner.third, corner.t), vec2u(pair.ray_triangle, pair.seen));
+    let clip = image_clip(vec2f(corner.x, corner.y));
+    return StraightFragment(clip, vec3f(corner.second, corner.third, corner.t), vec2u(corner.owner, corner.seen));
 }
 
 struct StraightVisible {

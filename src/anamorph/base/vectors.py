@@ -43,3 +43,10 @@ def unit(a: Vector) -> Vector:
     """A tuple of three at length one."""
     scale = 1.0 / math.sqrt(dot(a, a))
     return (a[0] * scale, a[1] * scale, a[2] * scale)
+
+
+@compiled
+def across(a: Vector) -> tuple[Vector, Vector]:
+    """Two unit vectors that make a right-handed frame with a unit vector, which is the third."""
+    first = unit(cross((0.0, 1.0, 0.0), a)) if abs(a[1]) < 0.8 else unit(cross((1.0, 0.0, 0.0), a))
+    return first, cross(a, first)

@@ -10,6 +10,7 @@ from numpy.polynomial.polynomial import polyder, polyval
 from anamorph.base.compiled import compiled
 from anamorph.base.errors import AnamorphError
 from anamorph.base.vectors import Vector, along
+from anamorph.surfaces.base import Expansion
 from anamorph.surfaces.patch import Patch
 from anamorph.surfaces.patch_search import meet_patch
 from anamorph.surfaces.similarity import Similarity
@@ -41,6 +42,25 @@ def _point_and_tangents(control: np.ndarray, u: float, v: float) -> tuple[Vector
 
 
 @compiled
+def _expand(numbers: np.ndarray, place: Vector) -> Expansion:
+    zero = (0.0, 0.0, 0.0)
+    position, along_u, along_v = _point_and_tangents(numbers, place[0], place[1])
+    (a, da), (b, db) = _cubic(place[0]), _cubic(place[1])
+    s, t = 1.0 - place[0], 1.0 - place[1]
+    bend_a = (6.0 * s, 6.0 * (1.0 - 3.0 * s), 6.0 * (1.0 - 3.0 * place[0]), 6.0 * place[0])
+    bend_b = (6.0 * t, 6.0 * (1.0 - 3.0 * t), 6.0 * (1.0 - 3.0 * place[1]), 6.0 * place[1])
+    uu, uv, vv = zero, zero, zero
+    for i in range(4):
+        for j in range(4):
+            first = 3 * (4 * i + j)
+            point = (numbers[first], numbers[first + 1], numbers[first + 2])
+            uu = along(uu, bend_a[i] * b[j], point)
+            uv = along(uv, da[i] * db[j], point)
+            vv = along(vv, a[i] * bend_b[j], point)
+    return True, position, along_u, along_v, uu, uv, vv
+
+
+@compiled
 def _meet(
     numbers: np.ndarray, origin: Vector, direction: Vector, distance: float, u: float, v: float, facing: Vector
 ) -> tuple[bool, float, Vector]:
@@ -63,6 +83,7 @@ class BezierPatch(Patch):
     control: np.ndarray
 
     meet = staticmethod(_meet)
+    expand = staticmethod(_expand)
 
     def __post_init__(self) -> None:
         if np.shape(self.control) != (4, 4, 3) or not np.isfinite(self.control).all():

@@ -11,8 +11,9 @@ from numpy.polynomial.polynomial import polyder, polyval
 from anamorph.base.compiled import compiled
 from anamorph.base.errors import AnamorphError
 from anamorph.base.vectors import Vector
+from anamorph.surfaces.base import Expansion
 from anamorph.surfaces.sag import SagSurface, check_sag, root
-from anamorph.surfaces.sag_search import Sag, meet_sag
+from anamorph.surfaces.sag_search import Sag, expand_sag, meet_sag
 from anamorph.surfaces.similarity import Similarity
 
 MOST_COEFFICIENTS = 16
@@ -36,10 +37,30 @@ def _sag(shape: np.ndarray, x: float, y: float) -> Sag:
 
 
 @compiled
+def _bends(shape: np.ndarray, x: float, y: float) -> Vector:
+    """The second derivatives of the sag, where it has one: xx, xy, yy."""
+    distance = x * x + y * y
+    root = math.sqrt(1.0 - (1.0 + shape[1]) * shape[0] * shape[0] * distance)
+    slope, bend = 0.0, 0.0
+    for number in range(int(shape[2]) - 1, -1, -1):
+        bend = bend * distance + slope
+        slope = slope * distance + (number + 2) * shape[3 + number]
+    steep = shape[0] / root + 2.0 * distance * slope
+    # The slope along x is x times `steep`, whose own slope along x is 2 x times this.
+    change = (1.0 + shape[1]) * shape[0] ** 3 / (2.0 * root**3) + 2.0 * (slope + distance * bend)
+    return steep + 2.0 * change * x * x, 2.0 * change * x * y, steep + 2.0 * change * y * y
+
+
+@compiled
 def _meet(
     numbers: np.ndarray, origin: Vector, direction: Vector, distance: float, u: float, v: float, facing: Vector
 ) -> tuple[bool, float, Vector]:
     return meet_sag(_sag, numbers, origin, direction, distance, facing)
+
+
+@compiled
+def _expand(numbers: np.ndarray, place: Vector) -> Expansion:
+    return expand_sag(_sag, _bends, numbers, place)
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,6 +90,7 @@ class EvenAsphere(SagSurface):
     axes: np.ndarray = field(default_factory=lambda: np.eye(3))
 
     meet = staticmethod(_meet)
+    expand = staticmethod(_expand)
 
     def __post_init__(self) -> None:
         check_sag("asphere", self)

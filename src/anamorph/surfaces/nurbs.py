@@ -10,8 +10,9 @@ import numpy as np
 from anamorph.base.compiled import compiled
 from anamorph.base.errors import AnamorphError
 from anamorph.base.vectors import Vector
+from anamorph.surfaces.base import Expansion
 from anamorph.surfaces.bsplines import basis
-from anamorph.surfaces.nurbs_pieces import EXTENT, LOW_U, LOW_V, SIZE_U, SIZE_V, pieces, point_and_tangents
+from anamorph.surfaces.nurbs_pieces import EXTENT, LOW_U, LOW_V, SIZE_U, SIZE_V, expand_pieces, pieces, point_and_tangents
 from anamorph.surfaces.patch import Patch
 from anamorph.surfaces.patch_search import meet_patch
 from anamorph.surfaces.similarity import Similarity
@@ -26,6 +27,11 @@ def _meet(
 ) -> tuple[bool, float, Vector]:
     u, v = (u - numbers[LOW_U]) / numbers[SIZE_U], (v - numbers[LOW_V]) / numbers[SIZE_V]
     return meet_patch(point_and_tangents, numbers, numbers[EXTENT], numbers[-1], origin, direction, u, v)
+
+
+@compiled
+def _expand(numbers: np.ndarray, place: Vector) -> Expansion:
+    return expand_pieces(numbers, place[0], place[1])
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,6 +60,7 @@ class NurbsSurface(Patch):
     sign: float = 1.0
 
     meet = staticmethod(_meet)
+    expand = staticmethod(_expand)
 
     def __post_init__(self) -> None:
         shape = (len(self.knots_u) - self.degree_u - 1, len(self.knots_v) - self.degree_v - 1)

@@ -10,8 +10,9 @@ from math import factorial
 
 import numpy as np
 
-from anamorph.base.compiled import compiled
-from anamorph.base.vectors import Vector
+from anamorph.base.compiled import compiled, inlined
+from anamorph.base.vectors import Vector, along
+from anamorph.surfaces.base import Expansion
 from anamorph.surfaces.bsplines import basis
 
 DEGREE_U, DEGREE_V, COUNT_U, COUNT_V, LOW_U, SIZE_U, LOW_V, SIZE_V, EXTENT, HEAD = range(10)
@@ -66,6 +67,18 @@ def _piece(numbers: np.ndarray, first: int, count: int, at: float) -> tuple[int,
     return low, (at - start) * slope - 1.0, slope
 
 
+@inlined
+def _placed(numbers: np.ndarray, u: float, v: float) -> tuple[int, int, int, float, float, float, float]:
+    """The degrees, where the coefficients of the piece begin, and the coordinates in it with their slopes."""
+    degree_u, degree_v = int(numbers[DEGREE_U]), int(numbers[DEGREE_V])
+    count_u, count_v = int(numbers[COUNT_U]), int(numbers[COUNT_V])
+    piece_u, s, slope_u = _piece(numbers, HEAD, count_u, u)
+    piece_v, t, slope_v = _piece(numbers, HEAD + count_u + 1, count_v, v)
+    first = HEAD + count_u + count_v + 2
+    first += (piece_u * count_v + piece_v) * (degree_u + 1) * (degree_v + 1) * 4
+    return degree_u, degree_v, first, s, slope_u, t, slope_v
+
+
 @compiled
 def _multiplied(a: Homogeneous, factor: float, b: Homogeneous) -> Homogeneous:
     """a * factor + b."""
@@ -88,12 +101,7 @@ def point_and_tangents(numbers: np.ndarray, u: float, v: float) -> tuple[Vector,
 
     A little outside, the outermost piece goes on.
     """
-    degree_u, degree_v = int(numbers[DEGREE_U]), int(numbers[DEGREE_V])
-    count_u, count_v = int(numbers[COUNT_U]), int(numbers[COUNT_V])
-    piece_u, s, slope_u = _piece(numbers, HEAD, count_u, u)
-    piece_v, t, slope_v = _piece(numbers, HEAD + count_u + 1, count_v, v)
-    first = HEAD + count_u + count_v + 2
-    first += (piece_u * count_v + piece_v) * (degree_u + 1) * (degree_v + 1) * 4
+    degree_u, degree_v, first, s, slope_u, t, slope_v = _placed(numbers, u, v)
     zero = (0.0, 0.0, 0.0, 0.0)
     value, along_u, along_v = zero, zero, zero
     for i in range(degree_u, -1, -1):
@@ -111,4 +119,43 @@ def point_and_tangents(numbers: np.ndarray, u: float, v: float) -> tuple[Vector,
         position,
         _quotient_slope(along_u, position, weight, slope_u),
         _quotient_slope(along_v, position, weight, slope_v),
+    )
+
+
+@compiled
+def expand_pieces(numbers: np.ndarray, u: float, v: float) -> Expansion:
+    """The same, and the second derivatives."""
+    degree_u, degree_v, first, s, slope_u, t, slope_v = _placed(numbers, u, v)
+    zero = (0.0, 0.0, 0.0, 0.0)
+    value, along_u, along_v, uu, uv, vv = zero, zero, zero, zero, zero, zero
+    for i in range(degree_u, -1, -1):
+        row, row_slope, row_bend = zero, zero, zero
+        for j in range(degree_v, -1, -1):
+            at = first + (i * (degree_v + 1) + j) * 4
+            row_bend = _multiplied(row_bend, t, row_slope)
+            row_slope = _multiplied(row_slope, t, row)
+            row = _multiplied(row, t, (numbers[at], numbers[at + 1], numbers[at + 2], numbers[at + 3]))
+        uu = _multiplied(uu, s, along_u)
+        along_u = _multiplied(along_u, s, value)
+        value = _multiplied(value, s, row)
+        uv = _multiplied(uv, s, along_v)
+        along_v = _multiplied(along_v, s, row_slope)
+        vv = _multiplied(vv, s, row_bend)
+    weight = value[3]
+    position = (value[0] / weight, value[1] / weight, value[2] / weight)
+    by_u, by_v = (
+        _quotient_slope(along_u, position, weight, slope_u),
+        _quotient_slope(along_v, position, weight, slope_v),
+    )
+    to_u, to_v = along_u[3] * slope_u / weight, along_v[3] * slope_v / weight
+    # Horner's scheme leaves half of the second derivatives.
+    bend_u, bend_v = 2.0 * slope_u * slope_u, 2.0 * slope_v * slope_v
+    return (
+        True,
+        position,
+        by_u,
+        by_v,
+        along(_quotient_slope(uu, position, weight, bend_u), -2.0 * to_u, by_u),
+        along(along(_quotient_slope(uv, position, weight, slope_u * slope_v), -to_u, by_v), -to_v, by_u),
+        along(_quotient_slope(vv, position, weight, bend_v), -2.0 * to_v, by_v),
     )

@@ -120,6 +120,15 @@ class Patch(Surface):
             uv = np.clip(uv + np.einsum("nij,nj->ni", np.linalg.pinv(slopes), away), low, high)
         return uv
 
+    def places(self, uv: np.ndarray) -> np.ndarray:
+        """Parameters from 0 to 1 over the patch."""
+        low, high = self.domain
+        return super().places((uv - low) / (high - low))
+
+    def placed(self, places: np.ndarray) -> np.ndarray:
+        low, high = self.domain
+        return low + super().placed(places) * (high - low)
+
     def between(self, parameters: np.ndarray, positions: np.ndarray) -> np.ndarray:
         """The mean, also across a seam; at a pole, where a parameter has no meaning, the others' value counts."""
         uv, (low, high) = np.asarray(parameters, float), self.domain

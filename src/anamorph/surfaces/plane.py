@@ -8,7 +8,7 @@ import numpy as np
 
 from anamorph.base.compiled import compiled
 from anamorph.base.vectors import Vector, along, dot
-from anamorph.surfaces.base import Surface
+from anamorph.surfaces.base import Expansion, Surface
 from anamorph.surfaces.similarity import Similarity
 
 
@@ -23,6 +23,13 @@ def _meet(
         distance = dot(along((numbers[0], numbers[1], numbers[2]), -1.0, origin), normal) / slope
         met = True
     return met, distance, normal
+
+
+@compiled
+def _expand(numbers: np.ndarray, place: Vector) -> Expansion:
+    edge_u, edge_v = (numbers[6], numbers[7], numbers[8]), (numbers[9], numbers[10], numbers[11])
+    position = along(along((numbers[0], numbers[1], numbers[2]), place[0], edge_u), place[1], edge_v)
+    return True, position, edge_u, edge_v, (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,10 +49,11 @@ class Plane(Surface):
     edge_v: np.ndarray
 
     meet = staticmethod(_meet)
+    expand = staticmethod(_expand)
 
     @property
     def numbers(self) -> np.ndarray:
-        return np.concatenate([self.origin, self.normal(np.zeros((1, 2)))[0]])
+        return np.concatenate([self.origin, self.normal(np.zeros((1, 2)))[0], self.edge_u, self.edge_v])
 
     def position(self, uv: np.ndarray) -> np.ndarray:
         u, v = np.asarray(uv, float).T

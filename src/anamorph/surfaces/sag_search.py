@@ -1,4 +1,4 @@
-"""Where a ray meets a surface that is given by its sag: Newton's iteration along the ray. Compiled.
+"""Where a ray meets a surface that is given by its sag: Newton's iteration along the ray; and its derivatives. Compiled.
 
 It is part of the machine code of each surface: what takes a function as an argument cannot be kept on disk alone.
 """
@@ -13,6 +13,7 @@ import numpy as np
 from anamorph.base.compiled import inlined
 from anamorph.base.vectors import Vector, along
 from anamorph.surfaces.axes import into_axes, out_of_axes
+from anamorph.surfaces.base import Expansion
 
 Sag = tuple[bool, float, float, float]
 """Whether the surface reaches so far from its apex, its sag there, and the sag's slopes along x and y."""
@@ -88,3 +89,23 @@ def meet_sag(
         inside, height, change, slope_x, slope_y = _height(sag_at, shape, origin, direction, distance)
     length = math.sqrt(1.0 + slope_x * slope_x + slope_y * slope_y)
     return met, distance, out_of_axes(axes, (slope_x / length, slope_y / length, 1.0 / length))
+
+
+@inlined
+def expand_sag(sag_at: Callable, bends_at: Callable, numbers: np.ndarray, place: Vector) -> Expansion:
+    """The position at x and y of `place`, and its derivatives; of no use beyond the end of the surface."""
+    axes, shape, zero = numbers[3:12], numbers[12:], (0.0, 0.0, 0.0)
+    inside, sag, slope_x, slope_y = sag_at(shape, place[0], place[1])
+    if not inside:
+        return False, zero, zero, zero, zero, zero, zero
+    xx, xy, yy = bends_at(shape, place[0], place[1])
+    inward = (-axes[6], -axes[7], -axes[8])
+    return (
+        True,
+        along((numbers[0], numbers[1], numbers[2]), 1.0, out_of_axes(axes, (place[0], place[1], -sag))),
+        out_of_axes(axes, (1.0, 0.0, -slope_x)),
+        out_of_axes(axes, (0.0, 1.0, -slope_y)),
+        along(zero, xx, inward),
+        along(zero, xy, inward),
+        along(zero, yy, inward),
+    )

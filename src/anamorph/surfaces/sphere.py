@@ -9,9 +9,9 @@ import numpy as np
 
 from anamorph.base.compiled import compiled
 from anamorph.base.errors import AnamorphError
-from anamorph.base.vectors import Vector, along, dot, unit
+from anamorph.base.vectors import Vector, across, along, dot, unit
 from anamorph.surfaces.axes import check_axes
-from anamorph.surfaces.base import Surface
+from anamorph.surfaces.base import Expansion, Surface
 from anamorph.surfaces.plane import Plane
 from anamorph.surfaces.similarity import Similarity
 
@@ -38,6 +38,17 @@ def _meet(
     return met, distance, normal
 
 
+@compiled
+def _expand(numbers: np.ndarray, place: Vector) -> Expansion:
+    """`place` is a vector from the center, and the parameters are those of the plane that touches the sphere there."""
+    out, radius = unit(place), numbers[3]
+    right, up = across(out)
+    zero = (0.0, 0.0, 0.0)
+    inward = along(zero, -radius, out)
+    position = along((numbers[0], numbers[1], numbers[2]), radius, out)
+    return True, position, along(zero, radius, right), along(zero, radius, up), inward, zero, inward
+
+
 @dataclass(frozen=True, eq=False)
 class Sphere(Surface):
     """A sphere, by angles in axes of its own: (u, v) = (0, 0) lies on the outward axis.
@@ -60,6 +71,7 @@ class Sphere(Surface):
     axes: np.ndarray = field(default_factory=lambda: np.eye(3))
 
     meet = staticmethod(_meet)
+    expand = staticmethod(_expand)
 
     def __post_init__(self) -> None:
         if not (np.isfinite(self.radius) and self.radius > 0):
@@ -85,6 +97,13 @@ class Sphere(Surface):
         """The (u, v), (N, 2) float64, of the surface points in the directions of `points` (N, 3) from the center."""
         right, up, outward = np.asarray(self.axes, float) @ (np.asarray(points, float) - self.center).T
         return np.stack([np.arctan2(right, outward), np.arctan2(up, np.hypot(right, outward))], axis=-1)
+
+    def places(self, uv: np.ndarray) -> np.ndarray:
+        """Unit vectors from the center, which have no poles."""
+        return self.normal(uv)
+
+    def placed(self, places: np.ndarray) -> np.ndarray:
+        return self.parameters(np.asarray(self.center) + places)
 
     def moved(self, by: Similarity) -> Sphere:
         return Sphere(by.points(self.center), by.scale * self.radius, by.directions(self.axes))

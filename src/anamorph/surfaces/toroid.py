@@ -9,8 +9,9 @@ import numpy as np
 
 from anamorph.base.compiled import compiled
 from anamorph.base.vectors import Vector
+from anamorph.surfaces.base import Expansion
 from anamorph.surfaces.sag import SagSurface, check_sag, root
-from anamorph.surfaces.sag_search import Sag, meet_sag
+from anamorph.surfaces.sag_search import Sag, expand_sag, meet_sag
 from anamorph.surfaces.similarity import Similarity
 
 
@@ -33,10 +34,32 @@ def _sag(shape: np.ndarray, x: float, y: float) -> Sag:
 
 
 @compiled
+def _bends(shape: np.ndarray, x: float, y: float) -> Vector:
+    """The second derivatives of the sag, where it has one: xx, xy, yy."""
+    base, cross = shape[0], shape[1]
+    arc_root = math.sqrt(1.0 - cross * cross * y * y)
+    arc_slope, arc_bend = cross * y / arc_root, cross / (arc_root * arc_root * arc_root)
+    lever = 1.0 - base * cross * y * y / (1.0 + arc_root)
+    square = lever * lever - base * base * x * x
+    root = math.sqrt(square)
+    steep = base * lever * arc_slope
+    return (
+        base * lever * lever / (square * root),
+        base * x * steep / (square * root),
+        (lever * arc_bend - base * arc_slope * arc_slope) / root + steep * lever * arc_slope / (square * root),
+    )
+
+
+@compiled
 def _meet(
     numbers: np.ndarray, origin: Vector, direction: Vector, distance: float, u: float, v: float, facing: Vector
 ) -> tuple[bool, float, Vector]:
     return meet_sag(_sag, numbers, origin, direction, distance, facing)
+
+
+@compiled
+def _expand(numbers: np.ndarray, place: Vector) -> Expansion:
+    return expand_sag(_sag, _bends, numbers, place)
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,6 +84,7 @@ class Toroid(SagSurface):
     axes: np.ndarray = field(default_factory=lambda: np.eye(3))
 
     meet = staticmethod(_meet)
+    expand = staticmethod(_expand)
 
     def __post_init__(self) -> None:
         check_sag("toroid", self)

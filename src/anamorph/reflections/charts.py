@@ -1,0 +1,199 @@
+"""Mirrors as charts: what of a mirror the search for reflection points reads, whatever eye looks at it.
+
+A chart is the mesh's triangles, cut into pieces so small that interpolated rays say well enough where to search. The
+corners of pieces are places of the exact surface, as `Surface.places` gives them. Of a mesh without one, a place is the
+weights of a triangle's second and third corner, and the triangle's number.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from anamorph.base.compiled import compiled
+from anamorph.base.vectors import cross
+from anamorph.optics.borders import mirror_borders
+from anamorph.scene.lens_pairs import border_edges
+from anamorph.scene.model import Mesh
+from anamorph.surfaces.expansion import expand
+from anamorph.surfaces.intersection import NONE, PLANE, pack
+from anamorph.surfaces.sphere import Sphere
+
+CELLS = 64
+"""Pieces along the longest side of the box around a mirror, at least; of planes and plain meshes, triangles are whole."""
+
+BEND = 0.03
+"""How far the normal in the middle of a piece's edge may be from the mean of those at its ends, as a share of how far
+the mirror's pieces turn: a wave then has about 25 pieces."""
+
+MOST_CUTS = 64
+MOST_PIECES = 200_000
+
+
+class Trim(NamedTuple):
+    """What bounds a mirror.
+
+    Parameters
+    ----------
+    triangles : (T, 3, 3) float64
+        The places of the corners of the mesh's triangles.
+    arcs : (T, 3) int64
+        For the edge that faces each corner the number of its circle, from 1; 0 where it is straight. Negative where the
+        mirror is outside the circle.
+    circles : (C, 7) float64
+        Of each circle: a point of its axis, the axis, and the radius; or a radius of 0, and inside is ahead of its plane.
+    """
+
+    triangles: np.ndarray
+    arcs: np.ndarray
+    circles: np.ndarray
+
+
+@dataclass(frozen=True, eq=False)
+class Chart:
+    """A mirror for the search.
+
+    Parameters
+    ----------
+    kind : int
+    numbers : (K,) float64
+        The exact surface, from `intersection.pack`; of a plain mesh, the corners and normals of each triangle.
+    size : float
+        The longest side of the box around it, metres.
+    trim : Trim
+    parents : (P,) int64
+        The triangle of each piece.
+    corners, positions, normals : (P, 3, 3) float64
+        The places of its corners, where these are, and the unit normals to the mirror's outside.
+    """
+
+    kind: int
+    numbers: np.ndarray
+    size: float
+    trim: Trim
+    parents: np.ndarray
+    corners: np.ndarray
+    positions: np.ndarray
+    normals: np.ndarray
+
+
+def chart_of(mesh: Mesh) -> Chart:
+    """The chart of a mirror."""
+    size = float(np.ptp(np.asarray(mesh.positions, float)[np.unique(mesh.faces)], axis=0).max())
+    if mesh.surface is None or mesh.parameters is None:
+        return _plain_chart(mesh, size)
+    kind, numbers = pack(mesh.surface)
+    triangles = mesh.surface.places(mesh.parameters)[mesh.faces]
+    toward = np.asarray(mesh.normals, float)[mesh.faces].sum(axis=1)
+    trim = Trim(triangles, *_arcs(mesh))
+    parents, corners = np.arange(len(triangles)), triangles
+    if kind != PLANE:
+        longest = _longest(_expanded(kind, numbers, corners)[0])
+        parents, corners = _cut(parents, corners, np.ceil(longest * CELLS / size))
+        parents, corners = _cut(parents, corners, _waves(kind, numbers, corners))
+    positions, normals = _expanded(kind, numbers, corners)
+    turned = np.einsum("pki,pi->pk", normals, toward[parents]) < 0.0
+    normals[turned] *= -1.0
+    return Chart(kind, numbers, size, trim, parents, np.ascontiguousarray(corners), positions, normals)
+
+
+def _plain_chart(mesh: Mesh, size: float) -> Chart:
+    positions = np.asarray(mesh.positions, float)[mesh.faces]
+    normals = np.asarray(mesh.normals, float)[mesh.faces]
+    normals = normals / np.linalg.norm(normals, axis=2, keepdims=True)
+    count = len(mesh.faces)
+    corners = np.zeros((count, 3, 3))
+    corners[:, 1, 0] = corners[:, 2, 1] = 1.0
+    corners[:, :, 2] = np.arange(count)[:, None]
+    numbers = np.concatenate([positions.reshape(count, 9), normals.reshape(count, 9)], axis=1).ravel()
+    trim = Trim(corners, np.zeros((count, 3), np.int64), np.zeros((0, 7)))
+    return Chart(NONE, numbers, size, trim, np.arange(count), corners, positions, normals)
+
+
+def _longest(positions: np.ndarray) -> np.ndarray:
+    """The longest edges of triangles (P, 3, 3), (P,)."""
+    return np.linalg.norm(positions - np.roll(positions, 1, axis=1), axis=2).max(axis=1)
+
+
+def _arcs(mesh: Mesh) -> tuple[np.ndarray, np.ndarray]:
+    """The arcs and circles of a `Trim`."""
+    assert mesh.surface is not None
+    arcs, rounds = np.zeros(mesh.faces.shape, np.int64), mirror_borders(mesh)
+    # On a sphere the border is where a plane cuts it, whichever of the two caps the mirror is.
+    flat = isinstance(mesh.surface, Sphere)
+    circles = np.array([[*each.middle, *each.axis, 0.0 if flat else each.radius] for each in rounds]).reshape(-1, 7)
+    if not rounds:
+        return arcs, circles
+    count, places = len(mesh.positions), mesh.exact_positions()
+    low, high = border_edges(mesh)
+    for corner in range(3):
+        ends = np.sort(mesh.faces[:, [(corner + 1) % 3, (corner + 2) % 3]], axis=1).astype(np.int64)
+        border = np.isin(ends[:, 0] * count + ends[:, 1], low * count + high)
+        facing = places[mesh.faces[:, corner]]
+        for number, circle in enumerate(rounds, start=1):
+            on = border & (arcs[:, corner] == 0) & circle.arcs(places[ends])
+            heights = (facing - circle.middle) @ circle.axis
+            inside = heights > 0.0 if flat else np.linalg.norm(circle.across(facing), axis=1) < circle.radius
+            arcs[on, corner] = np.where(inside[on], number, -number)
+    return arcs, circles
+
+
+def _cut(parents: np.ndarray, corners: np.ndarray, counts: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Triangles (P, 3, 3) whose edges are cut into `counts` (P,) parts each."""
+    counts = np.clip(counts, 1, MOST_CUTS)
+    # Where all that is wanted would be too much, everything is cut less.
+    share = np.sqrt(min(1.0, MOST_PIECES / np.sum(counts**2)))
+    counts = np.maximum(np.floor(counts * share) if share < 1.0 else counts, 1).astype(int)
+    found = []
+    for count in np.unique(counts):
+        own = np.flatnonzero(counts == count)
+        weights = _cells(int(count))
+        found.append((np.repeat(parents[own], len(weights)), (weights @ corners[own, None]).reshape(-1, 3, 3)))
+    new_parents, new_corners = zip(*found, strict=True)
+    return np.concatenate(new_parents), np.concatenate(new_corners)
+
+
+def _cells(count: int) -> np.ndarray:
+    """The weights of the corners, (count^2, 3, 3), of the equal parts of a triangle."""
+    i, j = (each.ravel() for each in np.meshgrid(np.arange(count), np.arange(count), indexing="ij"))
+    lower, upper = i + j < count, i + j < count - 1
+    first = [np.stack([i + a, j + b], axis=-1)[lower] for a, b in ((0, 0), (1, 0), (0, 1))]
+    second = [np.stack([i + a, j + b], axis=-1)[upper] for a, b in ((1, 1), (0, 1), (1, 0))]
+    pairs = np.concatenate([np.stack(first, axis=1), np.stack(second, axis=1)]) / count
+    return np.concatenate([1.0 - pairs.sum(axis=2, keepdims=True), pairs], axis=2)
+
+
+def _waves(kind: int, numbers: np.ndarray, corners: np.ndarray) -> np.ndarray:
+    """Into how many parts pieces have to be cut so that the normal changes evenly along each, (P,)."""
+    middles = (corners + np.roll(corners, -1, axis=1)) / 2.0
+    normals, between = _expanded(kind, numbers, corners)[1], _expanded(kind, numbers, middles)[1]
+    following = np.roll(normals, -1, axis=1)
+    turns = np.linalg.norm(following - normals, axis=2)
+    mean = normals + following
+    mean /= np.maximum(np.linalg.norm(mean, axis=2, keepdims=True), np.finfo(float).tiny)
+    leaves = np.linalg.norm(between - mean, axis=2).max(axis=1)
+    typical = np.sqrt(np.mean(turns**2))
+    return np.ceil(leaves / max(BEND * typical, 1e-9))
+
+
+def _expanded(kind: int, numbers: np.ndarray, places: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Positions and unit normals along slope a x slope b, of places (..., 3)."""
+    flat = np.ascontiguousarray(places.reshape(-1, 3))
+    positions, normals = np.zeros_like(flat), np.zeros_like(flat)
+    _expand_all(kind, numbers, flat, positions, normals)
+    normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), np.finfo(float).tiny)
+    return positions.reshape(places.shape), normals.reshape(places.shape)
+
+
+@compiled
+def _expand_all(
+    kind: int, numbers: np.ndarray, places: np.ndarray, positions: np.ndarray, normals: np.ndarray
+) -> None:
+    for i in range(len(places)):
+        ok, position, a, b, _, _, _ = expand(kind, numbers, (places[i, 0], places[i, 1], places[i, 2]))
+        if ok:
+            normal = cross(a, b)
+            for axis in range(3):
+                positions[i, axis], normals[i, axis] = position[axis], normal[axis]

@@ -1,0 +1,187 @@
+"""All the reflection points of many points on one mirror."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from anamorph.base.compiled import compiled, over_all_cores
+from anamorph.base.vectors import Vector, tuple_of
+from anamorph.reflections.beside import beside
+from anamorph.reflections.charts import Chart
+from anamorph.reflections.cone_tree import ConeTree, cone_tree, ordered
+from anamorph.reflections.seeds import DEPTH, seeds_of
+from anamorph.reflections.stationary import LENGTH, NORMAL, ORDER, PLACE, POSITION, TWIN, WORDS, settle
+from anamorph.reflections.trims import belong
+from anamorph.surfaces.intersection import NONE
+
+SAME = 1e-6
+"""Reflection points nearer to each other than this share of the mirror's size are one."""
+
+ON = 1e-9
+"""A point nearer to a mirror than this share of its size is on it."""
+
+TWINS = 4
+"""How often the twins of new reflection points are searched for."""
+
+GRAIN = 1024
+"""Starts that one core takes at a time."""
+
+
+@dataclass(frozen=True, eq=False)
+class OnMirror:
+    """The reflection points of N points on one mirror.
+
+    Parameters
+    ----------
+    point : (M,) int64
+    position, place : (M, 3) float64
+    length : (M,) float64
+    order : (M,) int64
+        1, -1, or 0 at a focus.
+    triangle : (M,) int64
+    full, on : (N,) bool
+        Which points have more than are given, and which are on the mirror.
+    """
+
+    point: np.ndarray
+    position: np.ndarray
+    place: np.ndarray
+    length: np.ndarray
+    order: np.ndarray
+    triangle: np.ndarray
+    full: np.ndarray
+    on: np.ndarray
+
+
+@dataclass(frozen=True, eq=False)
+class MirrorSearch:
+    """A mirror before an eye, ready to be searched."""
+
+    chart: Chart
+    tree: ConeTree
+    eye: Vector
+    outward: np.ndarray
+    lengths: np.ndarray
+
+    @classmethod
+    def of(cls, chart: Chart, eye: np.ndarray) -> MirrorSearch:
+        """Prepare the search on a mirror for the eye at (3,)."""
+        edges = np.linalg.norm(chart.positions - np.roll(chart.positions, 1, axis=1), axis=2)
+        tree = cone_tree(chart, *ordered(chart), eye)
+        return cls(chart, tree, tuple_of(eye), chart.normals.sum(axis=1), edges.max(axis=1))
+
+    def find(self, points: np.ndarray) -> OnMirror:
+        """The reflection points of points (N, 3)."""
+        chart = self.chart
+        owners, weights, full = seeds_of(self.tree, points)
+        point, piece = owners.T
+        near = np.isnan(weights[:, 0])
+        weights[near] = 1.0 / 3.0
+        corners = chart.corners[piece]
+        places = corners[:, 0] + np.einsum("sk,ski->si", weights, corners[:, 1:] - corners[:, :1])
+        on = np.zeros(len(points), bool)
+        started = self._started(points, point, piece, places, np.flatnonzero(near), on)
+        point, piece, places = point[started], piece[started], places[started]
+
+        kept, rows = np.zeros((0, 3), np.int64), np.zeros((0, WORDS))
+        for _ in range(1 + TWINS):
+            if not len(point):
+                break
+            new, triangle, found = self._settled(points, point, piece, places)
+            many = np.concatenate([kept, np.stack([point[found], piece[found], triangle], axis=-1)])
+            fresh = np.arange(len(many)) >= len(kept)
+            order = np.argsort(many[:, 0], kind="stable")
+            kept, rows, fresh = many[order], np.concatenate([rows, new])[order], fresh[order]
+            keep = np.ones(len(kept), bool)
+            _merge(kept[:, 0].copy(), rows, SAME * chart.size, keep)
+            kept, rows, fresh = kept[keep], rows[keep], fresh[keep]
+            twins = fresh & ~np.isnan(rows[:, TWIN])
+            point, piece, places = kept[twins, 0], kept[twins, 1], rows[twins, TWIN : TWIN + 3].copy()
+        return OnMirror(
+            point=kept[:, 0],
+            position=rows[:, POSITION : POSITION + 3],
+            place=rows[:, PLACE : PLACE + 3],
+            length=rows[:, LENGTH],
+            order=rows[:, ORDER].astype(int),
+            triangle=kept[:, 2],
+            full=full,
+            on=on,
+        )
+
+    def _started(
+        self, points: np.ndarray, point: np.ndarray, piece: np.ndarray, places: np.ndarray, near: np.ndarray, on: np.ndarray
+    ) -> np.ndarray:
+        """Which starts are good; those `near` the mirror, numbers (K,), get other places, and `on` is marked."""
+        chart, started = self.chart, np.ones(len(point), bool)
+        if not len(near):
+            return started
+        sought, starts, lengths = points[point[near]], places[near], self.lengths[piece[near]]
+        feet, away = np.zeros((len(near), 6)), np.zeros(len(near))
+
+        def work(start: int, stop: int) -> None:
+            beside(
+                chart.kind, chart.numbers, chart.size, self.eye, sought, starts, lengths, start, stop, feet, away
+            )  # fmt: skip
+
+        over_all_cores(work, len(near), GRAIN)
+        touching = np.flatnonzero(away <= ON * chart.size)
+        there = self._triangles(piece[near[touching]], feet[touching, :3].copy(), feet[touching, 3:].copy())
+        on[point[near[touching[there >= 0]]]] = True
+        places[near] = starts
+        started[near] = np.isfinite(away) & (away > ON * chart.size)
+        return started
+
+    def _settled(
+        self, points: np.ndarray, point: np.ndarray, piece: np.ndarray, places: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """The rows of what is found from some starts, its triangles, and the numbers of these starts."""
+        chart = self.chart
+        rows, ok = np.zeros((len(point), WORDS)), np.zeros(len(point), bool)
+        sought, lengths = points[point], self.lengths[piece]
+
+        def work(start: int, stop: int) -> None:
+            settle(chart.kind, chart.numbers, chart.size, self.eye, sought, places, lengths, start, stop, rows, ok)
+
+        over_all_cores(work, len(point), GRAIN)
+        position, normal = rows[:, POSITION : POSITION + 3], rows[:, NORMAL : NORMAL + 3]
+        turned = np.einsum("si,si->s", normal, self.outward[piece]) < 0.0
+        normal[turned] *= -1.0
+        for end in (np.asarray(self.eye), sought):
+            ok &= np.einsum("si,si->s", normal, end - position) > 0.0
+        found = np.flatnonzero(ok)
+        triangles = self._triangles(
+            piece[found], rows[found, PLACE : PLACE + 3].copy(), rows[found, POSITION : POSITION + 3].copy()
+        )
+        held = triangles >= 0
+        return rows[found[held]], triangles[held], found[held]
+
+    def _triangles(self, piece: np.ndarray, places: np.ndarray, positions: np.ndarray) -> np.ndarray:
+        """In which triangles places lie that were found from some pieces, (S,); -1 for none."""
+        chart, tree = self.chart, self.tree
+        triangles = chart.parents[piece]
+
+        def work(start: int, stop: int) -> None:
+            stack = np.zeros(DEPTH, np.int64)
+            belong(
+                chart.kind, chart.trim, tree.order, tree.balls, chart.parents, places, positions,
+                start, stop, stack, triangles,
+            )  # fmt: skip
+
+        over_all_cores(work, len(places), GRAIN)
+        return triangles
+
+
+@compiled
+def _merge(point: np.ndarray, rows: np.ndarray, close: float, keep: np.ndarray) -> None:
+    """Unmark what is the same as an earlier row of its point; all that are a focus are one."""
+    for i in range(len(point)):
+        j = i - 1
+        while j >= 0 and point[j] == point[i] and keep[i]:
+            if keep[j]:
+                one, other = rows[i, ORDER], rows[j, ORDER]
+                x, y, z = rows[i, 0] - rows[j, 0], rows[i, 1] - rows[j, 1], rows[i, 2] - rows[j, 2]
+                same = x * x + y * y + z * z <= close * close and one * other >= 0.0
+                keep[i] = not (same or (one == 0.0 and other == 0.0))
+            j -= 1

@@ -1,0 +1,137 @@
+"""Newton's iteration from many starts, to where the length of the path is stationary. Compiled.
+
+Where two reflection points are about to merge, both may lie near the same start, which leads to one of them. So for
+each that is found a start is named for its twin: along the way in which the length bends least, if this bend is b and
+changes by c a metre, the twin is -2 b / c away.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from anamorph.base.compiled import compiled
+from anamorph.base.vectors import Vector, along, dot
+from anamorph.reflections.path_length import Slopes, in_parameters, slopes_at
+from anamorph.surfaces.expansion import shifted
+
+STEPS = 16
+CLOSE = 1e-12
+"""A step shorter than this share of the mirror's size is the last."""
+NEAR = 1e-9
+"""A search that ends with a longer step has found nothing."""
+
+DAMPING = 1e-7
+"""The share of the greatest bend below which the length counts as flat, and no step is taken."""
+
+FLAT = 1e-6
+"""The least bend, as a share of the greatest, below which a reflection point is a focus."""
+
+AT_TWIN = 3.0
+"""Pieces: a twin further away has been found by itself."""
+
+AHEAD = 0.25
+"""Pieces: how far away the change of the bend is measured."""
+
+POSITION, PLACE, NORMAL, LENGTH, ORDER, TWIN, WORDS = 0, 3, 6, 9, 10, 11, 14
+"""Where the numbers of a reflection point are in its row. The place of a twin that is not sought is NaN."""
+
+
+@compiled
+def settle(
+    kind: int,
+    numbers: np.ndarray,
+    size: float,
+    eye: Vector,
+    points: np.ndarray,
+    places: np.ndarray,
+    lengths: np.ndarray,
+    start: int,
+    stop: int,
+    out: np.ndarray,
+    ok: np.ndarray,
+) -> None:
+    """Search from `places`, start to stop.
+
+    Parameters
+    ----------
+    kind, numbers, size
+        The mirror.
+    eye : three float64
+    points, places : (S, 3) float64
+        What is sought, and where the search starts.
+    lengths : (S,) float64
+        Of the piece that it starts in: no step is longer than twice that.
+    out : (S, 14) float64
+        Filled.
+    ok : (S,) bool
+        Whether something was found.
+    """
+    for i in range(start, stop):
+        point = (points[i, 0], points[i, 1], points[i, 2])
+        place = (places[i, 0], places[i, 1], places[i, 2])
+        length = math.inf
+        steps = 0
+        while True:
+            fine, position, normal, frame, slopes = slopes_at(kind, numbers, place, eye, point)
+            if not fine or length <= CLOSE * size or steps == STEPS:
+                break
+            x, y = _newton(slopes)
+            length = math.hypot(x, y)
+            share = 2.0 * lengths[i] / length if length > 2.0 * lengths[i] else 1.0
+            a, b = in_parameters(frame, share * x, share * y)
+            place = shifted(kind, place, a, b)
+            steps += 1
+        ok[i] = fine and length <= NEAR * size
+        if not ok[i]:
+            continue
+        weak, strong, x, y = _bends(slopes)
+        to_eye, to_point = along(eye, -1.0, position), along(point, -1.0, position)
+        far, near = math.sqrt(dot(to_eye, to_eye)), math.sqrt(dot(to_point, to_point))
+        focus = abs(weak) <= FLAT * (abs(strong) + 1.0 / far + 1.0 / near)
+        # How much the bend changes: the slopes on both sides cancel but for that.
+        ahead = AHEAD * lengths[i]
+        a, b = in_parameters(frame, ahead * x, ahead * y)
+        change = 0.0
+        for side in (-1.0, 1.0):
+            fits, _, _, there, others = slopes_at(kind, numbers, shifted(kind, place, side * a, side * b), eye, point)
+            if fits:
+                change += others[0] * (there[0] * a + there[1] * b) + others[1] * there[2] * b
+        change /= ahead * ahead * ahead
+        twin = (np.nan, np.nan, np.nan)
+        if not focus and 2.0 * abs(weak) <= AT_TWIN * lengths[i] * abs(change):
+            a, b = in_parameters(frame, -2.0 * weak / change * x, -2.0 * weak / change * y)
+            twin = shifted(kind, place, a, b)
+        for axis in range(3):
+            out[i, POSITION + axis], out[i, PLACE + axis] = position[axis], place[axis]
+            out[i, NORMAL + axis], out[i, TWIN + axis] = normal[axis], twin[axis]
+        out[i, LENGTH] = far + near
+        out[i, ORDER] = 0.0 if focus else math.copysign(1.0, slopes[2] * slopes[5] - slopes[3] * slopes[4])
+
+
+@compiled
+def _newton(slopes: Slopes) -> tuple[float, float]:
+    """The step to where both slopes vanish, by least squares with some damping: none along a curve of solutions."""
+    one, other, xx, xy, yx, yy = slopes
+    damping = (DAMPING * max(max(abs(xx), abs(xy)), max(abs(yx), abs(yy)))) ** 2
+    p, q, r = xx * xx + yx * yx + damping, xx * xy + yx * yy, xy * xy + yy * yy + damping
+    determinant = p * r - q * q
+    if not determinant > 0.0:
+        return 0.0, 0.0
+    left, right = xx * one + yx * other, xy * one + yy * other
+    return (q * right - r * left) / determinant, (q * left - p * right) / determinant
+
+
+@compiled
+def _bends(slopes: Slopes) -> tuple[float, float, float, float]:
+    """The least and the greatest bend of the length of the path, and the direction of the least."""
+    xx, xy, yy = slopes[2], 0.5 * (slopes[3] + slopes[4]), slopes[5]
+    middle, half = 0.5 * (xx + yy), math.hypot(0.5 * (xx - yy), xy)
+    weak = middle - half if middle > 0.0 else middle + half
+    # Either row of the matrix less this bend is at right angles to the direction; the longer one says it better.
+    x, y = (-xy, xx - weak) if abs(xx - weak) > abs(yy - weak) else (yy - weak, -xy)
+    length = math.hypot(x, y)
+    if length == 0.0:
+        return weak, 2.0 * middle - weak, 1.0, 0.0
+    return weak, 2.0 * middle - weak, x / length, y / length

@@ -1,8 +1,8 @@
-"""Reflection points found in other ways than the package's: in closed form on balls, and from starts all over a chart."""
+"""Reflection points by other ways than the package's: in closed form on balls, and from starts all over a chart."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numba
 import numpy as np
@@ -11,6 +11,7 @@ from door_mirror import spline
 from scipy.interpolate import make_interp_spline
 
 from anamorph.gallery.saddle import toric_mirror
+from anamorph.gallery.spheres import mirror_ball
 from anamorph.gallery.torus import AXIS, MIDDLE, mirror_torus
 from anamorph.reflections.stationary import ORDER, PLACE, POSITION, WORDS, settle
 from anamorph.scene.camera import Camera
@@ -18,6 +19,8 @@ from anamorph.scene.model import Mesh, Scene
 from anamorph.surfaces.intersection import pack
 from anamorph.surfaces.nurbs import NurbsSurface
 from anamorph.surfaces.toroid import Toroid
+
+CENTER, RADIUS = (0.1, 0.2, -0.3), 1.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,9 +45,13 @@ class Trial:
 
 def turned(mesh: Mesh) -> Mesh:
     """The mirror's other side."""
-    from dataclasses import replace
-
     return replace(mesh, faces=mesh.faces[:, ::-1].copy(), normals=-mesh.normals)
+
+
+def whole_ball(eye: np.ndarray, concave: bool) -> Trial:
+    """A mirror ball at `CENTER`, seen from outside or from inside."""
+    mesh = mirror_ball("ball", CENTER, RADIUS, 24, 48)
+    return Trial(turned(mesh) if concave else mesh, np.asarray(eye, float), np.zeros(2), np.zeros(2), closed=True)
 
 
 def saddle() -> Trial:
@@ -53,8 +60,8 @@ def saddle() -> Trial:
 
 
 def toroid() -> Trial:
-    mesh = toric_mirror(Toroid(np.zeros(3), -1.1, -0.8), (1.0, 1.0), "toroid")
-    return Trial(mesh, np.array([0.2, -0.3, 2.2]), np.full(2, -0.5), np.full(2, 0.5))
+    mesh = toric_mirror(Toroid(np.zeros(3), -1.1, -0.8), (1.2, 1.2), "toroid")
+    return Trial(mesh, np.array([0.1, -0.2, 1.1]), np.full(2, -0.6), np.full(2, 0.6))
 
 
 def torus() -> Trial:
@@ -89,8 +96,8 @@ def ball_points(
 ) -> tuple[np.ndarray, np.ndarray]:
     """Alhazen's problem on a whole ball, seen from outside or inside: for each place which point, and where it is.
 
-    In the plane of eye, point and center, with complex numbers a and b in units of the radius, the place z on the circle
-    has (a - z)(b - z) / z^2 real, which is a quartic.
+    In the plane of eye, point and center, with complex numbers a and b in units of the radius, the place z on the
+    circle has (a - z)(b - z) / z^2 real, which is a quartic.
     """
     first = (eye - center) / radius
     axis = first / np.linalg.norm(first)
@@ -140,7 +147,8 @@ def dense_points(trial: Trial, points: np.ndarray) -> tuple[np.ndarray, np.ndarr
     # The parameters' own steps may leave the domain, where splines go on otherwise.
     inside = np.clip(uv, trial.low + step, trial.high - step)
     along = [
-        surface.position(inside + step * np.eye(2)[k]) - surface.position(inside - step * np.eye(2)[k]) for k in range(2)
+        surface.position(inside + step * np.eye(2)[k]) - surface.position(inside - step * np.eye(2)[k])
+        for k in range(2)
     ]
     along = [each / np.linalg.norm(each, axis=1).max() for each in along]
     position, side = surface.position(uv), 1.0 if np.sum(surface.normal(uv[:1]) * trial.mesh.normals[:1]) > 0 else -1.0
@@ -243,12 +251,11 @@ def unmatched(who: np.ndarray, places: np.ndarray, others: np.ndarray, other_pla
 def points_before(trial: Trial, count: int, seed: int = 1) -> np.ndarray:
     """Random points at the mirror's front, and around a closed one: near and far, (N, 3)."""
     random = np.random.default_rng(seed)
-    corners = trial.mesh.faces[random.integers(len(trial.mesh.faces), size=count)]
-    shares = random.dirichlet(np.ones(3), count)
-    feet = np.einsum("nk,nki->ni", shares, trial.mesh.positions[corners].astype(float))
-    outward = np.einsum("nk,nki->ni", shares, trial.mesh.normals[corners].astype(float))
+    uv = random.uniform(trial.low, trial.high, (count, 2))
+    feet, outward = trial.mesh.surface.position(uv), normal_at(trial, uv)
     ways = random.normal(size=(count, 3))
     ways /= np.linalg.norm(ways, axis=1, keepdims=True)
     ways *= np.where(np.sum(ways * outward, axis=1, keepdims=True) < 0.0, -1.0, 1.0)
-    return feet + trial.size * np.exp(random.uniform(np.log(0.02), np.log(8.0), (count, 1))) * ways
-
+    # Not along the surface: the grid does not tell a point that is nearer to it than a cell.
+    ways = (ways + 0.4 * outward) / np.linalg.norm(ways + 0.4 * outward, axis=1, keepdims=True)
+    return feet + trial.size * np.exp(random.uniform(np.log(0.04), np.log(8.0), (count, 1))) * ways

@@ -13,20 +13,23 @@ from typing import NamedTuple
 import numpy as np
 
 from anamorph.base.compiled import compiled
-from anamorph.base.vectors import cross
 from anamorph.optics.borders import mirror_borders
 from anamorph.scene.lens_pairs import border_edges
 from anamorph.scene.model import Mesh
 from anamorph.surfaces.expansion import expand
-from anamorph.surfaces.intersection import NONE, PLANE, pack
+from anamorph.surfaces.intersection import NONE, PATCHES, PLANE, pack
+from anamorph.surfaces.patch import POLE
 from anamorph.surfaces.sphere import Sphere
 
 CELLS = 64
-"""Pieces along the longest side of the box around a mirror, at least; of planes and plain meshes, triangles are whole."""
+"""Pieces along the longest side of the box around a mirror. Triangles of planes and plain meshes are whole."""
 
 BEND = 0.03
 """How far the normal in the middle of a piece's edge may be from the mean of those at its ends, as a share of how far
 the mirror's pieces turn: a wave then has about 25 pieces."""
+
+INWARD = 1e-3
+"""How far into a triangle that ends at a pole the normal at the pole is taken, as a share of the way to its middle."""
 
 MOST_CUTS = 64
 MOST_PIECES = 200_000
@@ -38,12 +41,12 @@ class Trim(NamedTuple):
     Parameters
     ----------
     triangles : (T, 3, 3) float64
-        The places of the corners of the mesh's triangles.
+        The places of the corners of triangles.
     arcs : (T, 3) int64
         For the edge that faces each corner the number of its circle, from 1; 0 where it is straight. Negative where the
         mirror is outside the circle.
     circles : (C, 7) float64
-        Of each circle: a point of its axis, the axis, and the radius; or a radius of 0, and inside is ahead of its plane.
+        Of each circle: a point of its axis, the axis, and the radius; or 0, and inside is what lies ahead of its plane.
     """
 
     triangles: np.ndarray
@@ -63,8 +66,10 @@ class Chart:
     size : float
         The longest side of the box around it, metres.
     trim : Trim
+    faces : (T,) int64
+        The triangle of the mesh for each of the trim's: at a pole of a patch, two stand for one.
     parents : (P,) int64
-        The triangle of each piece.
+        Which of the trim's triangles each piece is of.
     corners, positions, normals : (P, 3, 3) float64
         The places of its corners, where these are, and the unit normals to the mirror's outside.
     """
@@ -73,6 +78,7 @@ class Chart:
     numbers: np.ndarray
     size: float
     trim: Trim
+    faces: np.ndarray
     parents: np.ndarray
     corners: np.ndarray
     positions: np.ndarray
@@ -85,9 +91,13 @@ def chart_of(mesh: Mesh) -> Chart:
     if mesh.surface is None or mesh.parameters is None:
         return _plain_chart(mesh, size)
     kind, numbers = pack(mesh.surface)
-    triangles = mesh.surface.places(mesh.parameters)[mesh.faces]
-    toward = np.asarray(mesh.normals, float)[mesh.faces].sum(axis=1)
-    trim = Trim(triangles, *_arcs(mesh))
+    triangles, faces = mesh.surface.places(mesh.parameters)[mesh.faces], np.arange(len(mesh.faces))
+    arcs, circles = _arcs(mesh)
+    if kind in PATCHES:
+        triangles, faces = _with_poles(kind, numbers, triangles, size)
+        arcs = arcs[faces]
+    toward = np.asarray(mesh.normals, float)[mesh.faces[faces]].sum(axis=1)
+    trim = Trim(triangles, arcs, circles)
     parents, corners = np.arange(len(triangles)), triangles
     if kind != PLANE:
         longest = _longest(_expanded(kind, numbers, corners)[0])
@@ -96,7 +106,7 @@ def chart_of(mesh: Mesh) -> Chart:
     positions, normals = _expanded(kind, numbers, corners)
     turned = np.einsum("pki,pi->pk", normals, toward[parents]) < 0.0
     normals[turned] *= -1.0
-    return Chart(kind, numbers, size, trim, parents, np.ascontiguousarray(corners), positions, normals)
+    return Chart(kind, numbers, size, trim, faces, parents, np.ascontiguousarray(corners), positions, normals)
 
 
 def _plain_chart(mesh: Mesh, size: float) -> Chart:
@@ -109,7 +119,30 @@ def _plain_chart(mesh: Mesh, size: float) -> Chart:
     corners[:, :, 2] = np.arange(count)[:, None]
     numbers = np.concatenate([positions.reshape(count, 9), normals.reshape(count, 9)], axis=1).ravel()
     trim = Trim(corners, np.zeros((count, 3), np.int64), np.zeros((0, 7)))
-    return Chart(NONE, numbers, size, trim, np.arange(count), corners, positions, normals)
+    return Chart(NONE, numbers, size, trim, np.arange(count), np.arange(count), corners, positions, normals)
+
+
+def _with_poles(kind: int, numbers: np.ndarray, triangles: np.ndarray, size: float) -> tuple[np.ndarray, np.ndarray]:
+    """Triangles (T, 3, 3) of a patch with all that lies between their corners, and which of the given ones each is of.
+
+    At a pole one parameter moves nothing. A corner there is a whole edge in the parameters, from where one of the
+    others has that parameter to where the other has it.
+    """
+    # A parameter of a patch goes from 0 to 1.
+    pole = (
+        np.stack([np.linalg.norm(each, axis=2) for each in _slopes(kind, numbers, triangles)[1:]], axis=-1)
+        <= POLE * size
+    )
+    whole = ~pole.any(axis=(1, 2))
+    found, faces = [triangles[whole]], [np.flatnonzero(whole)]
+    for face in np.flatnonzero(~whole):
+        corner, axis = np.argwhere(pole[face])[0]
+        c, p, q = np.roll(triangles[face], -corner, axis=0)
+        at_p, at_q = c.copy(), c.copy()
+        at_p[axis], at_q[axis] = p[axis], q[axis]
+        found.append(np.array([[at_p, p, q], [at_p, q, at_q]]))
+        faces.append(np.array([face, face]))
+    return np.concatenate(found), np.concatenate(faces)
 
 
 def _longest(positions: np.ndarray) -> np.ndarray:
@@ -179,21 +212,29 @@ def _waves(kind: int, numbers: np.ndarray, corners: np.ndarray) -> np.ndarray:
 
 
 def _expanded(kind: int, numbers: np.ndarray, places: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Positions and unit normals along slope a x slope b, of places (..., 3)."""
-    flat = np.ascontiguousarray(places.reshape(-1, 3))
-    positions, normals = np.zeros_like(flat), np.zeros_like(flat)
-    _expand_all(kind, numbers, flat, positions, normals)
-    normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), np.finfo(float).tiny)
-    return positions.reshape(places.shape), normals.reshape(places.shape)
+    """Positions and unit normals along slope a x slope b, of the corners of triangles (T, 3, 3)."""
+    positions, a, b = _slopes(kind, numbers, places)
+    normals = np.cross(a, b)
+    lengths = np.linalg.norm(normals, axis=2, keepdims=True)
+    # At a pole, the normal is that of a place a little further inside.
+    pole = lengths <= POLE * lengths.max(axis=1, keepdims=True)
+    if pole.any():
+        inside = places + INWARD * (places.mean(axis=1, keepdims=True) - places)
+        normals = np.where(pole, np.cross(*_slopes(kind, numbers, inside)[1:]), normals)
+        lengths = np.linalg.norm(normals, axis=2, keepdims=True)
+    return positions, normals / np.maximum(lengths, np.finfo(float).tiny)
+
+
+def _slopes(kind: int, numbers: np.ndarray, places: np.ndarray) -> np.ndarray:
+    """Positions, and slopes along both parameters, of places (T, 3, 3): (3, T, 3, 3)."""
+    found = np.zeros((3, places.size // 3, 3))
+    _expand_all(kind, numbers, np.ascontiguousarray(places.reshape(-1, 3)), found)
+    return found.reshape(3, *places.shape)
 
 
 @compiled
-def _expand_all(
-    kind: int, numbers: np.ndarray, places: np.ndarray, positions: np.ndarray, normals: np.ndarray
-) -> None:
+def _expand_all(kind: int, numbers: np.ndarray, places: np.ndarray, found: np.ndarray) -> None:
     for i in range(len(places)):
-        ok, position, a, b, _, _, _ = expand(kind, numbers, (places[i, 0], places[i, 1], places[i, 2]))
-        if ok:
-            normal = cross(a, b)
-            for axis in range(3):
-                positions[i, axis], normals[i, axis] = position[axis], normal[axis]
+        _, position, a, b, _, _, _ = expand(kind, numbers, (places[i, 0], places[i, 1], places[i, 2]))
+        for axis in range(3):
+            found[0, i, axis], found[1, i, axis], found[2, i, axis] = position[axis], a[axis], b[axis]

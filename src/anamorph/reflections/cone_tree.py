@@ -1,8 +1,8 @@
 """A tree of ray cones: which pieces of a mirror may send a ray of the eye to a point.
 
 Each node holds a ball around its pieces, a cone around the directions of their reflected rays, and whether one of them
-turns its front to the eye. A ray from somewhere in the ball along some direction of the cone can reach a point only if
-the point, seen from the ball's middle, is no further from the cone's axis than the cone's angle and the ball's together.
+turns its front to the eye. A ray from somewhere in the ball along some direction of the cone can reach a point only if,
+seen from the ball's middle, the point is no further from the cone's axis than the angles of cone and ball together.
 """
 
 from __future__ import annotations
@@ -14,9 +14,9 @@ import numpy as np
 
 from anamorph.base.compiled import compiled
 from anamorph.optics.laws import reflect
-from anamorph.reflections.charts import Chart
 from anamorph.raytriangle.rows import packed
 from anamorph.raytriangle.scaled import scaled_rays
+from anamorph.reflections.charts import Chart
 
 PAD = 0.1
 """How far outside a piece, in its weights, a ray may start that is still the piece's own."""

@@ -15,7 +15,7 @@ import numpy as np
 
 from anamorph.base.compiled import compiled, inlined
 from anamorph.base.vectors import Vector, along, cross, dot
-from anamorph.surfaces.expansion import expand, shifted
+from anamorph.surfaces.expansion import expand
 from anamorph.surfaces.intersection import NONE
 
 Frame = tuple[float, float, float]
@@ -122,9 +122,7 @@ def slopes_at(
 
 
 @compiled
-def tangents_at(
-    kind: int, numbers: np.ndarray, place: Vector
-) -> tuple[bool, Vector, Frame, Vector, Vector, Vector]:
+def tangents_at(kind: int, numbers: np.ndarray, place: Vector) -> tuple[bool, Vector, Frame, Vector, Vector, Vector]:
     """Whether there is a tangent plane; position, frame, the two unit vectors, and a unit normal of the surface."""
     zero = (0.0, 0.0, 0.0)
     if kind == NONE:

@@ -18,13 +18,14 @@ from anamorph.scene.camera import Camera
 from anamorph.scene.checks import FARTHEST, check_contents
 from anamorph.scene.model import Mirror, Scene
 
+
 class ReflectionStatus(IntEnum):
     """What is known of a reflection point, or of all those of a point.
 
     FOUND: it is where its numbers say; of a point, all are found.
     FOCUS: several merge here, or it is one of a whole curve or surface of them: one stands for all of its mirror.
     ON_MIRROR: the point itself is on a mirror, and what that mirror shows of it is not looked for.
-    MANY: a mirror shows the point more often than 256 times, and only so many are given.
+    MANY: there were so many places to search from that some were left out; there may be more than are given.
     """
 
     FOUND = 0
@@ -132,10 +133,13 @@ def reflection_points(
         found.append(own)
         exact = mesh.surface is not None and mesh.parameters is not None
         parameters.append(mesh.surface.placed(own.place) if exact else own.place[:, :2])
-        for marked, status in ((own.on, ReflectionStatus.ON_MIRROR), (own.full, ReflectionStatus.MANY)):
+        focus = np.bincount(own.point[own.order == 0], minlength=len(states)) > 0
+        for marked, status in (
+            (own.on, ReflectionStatus.ON_MIRROR),
+            (own.full & ~focus, ReflectionStatus.MANY),
+            (focus, ReflectionStatus.FOCUS),
+        ):
             states[marked] = np.maximum(states[marked], status)
-        focus = own.point[own.order == 0]
-        states[focus] = np.maximum(states[focus], ReflectionStatus.FOCUS)
 
     def joined(field: str) -> np.ndarray:
         return np.concatenate([getattr(own, field) for own in found])

@@ -14,7 +14,6 @@ from anamorph.reflections.cone_tree import ConeTree, cone_tree, ordered
 from anamorph.reflections.seeds import DEPTH, seeds_of
 from anamorph.reflections.stationary import LENGTH, NORMAL, ORDER, PLACE, POSITION, TWIN, WORDS, settle
 from anamorph.reflections.trims import belong
-from anamorph.surfaces.intersection import NONE
 
 SAME = 1e-6
 """Reflection points nearer to each other than this share of the mirror's size are one."""
@@ -105,13 +104,19 @@ class MirrorSearch:
             place=rows[:, PLACE : PLACE + 3],
             length=rows[:, LENGTH],
             order=rows[:, ORDER].astype(int),
-            triangle=kept[:, 2],
+            triangle=self.chart.faces[kept[:, 2]],
             full=full,
             on=on,
         )
 
     def _started(
-        self, points: np.ndarray, point: np.ndarray, piece: np.ndarray, places: np.ndarray, near: np.ndarray, on: np.ndarray
+        self,
+        points: np.ndarray,
+        point: np.ndarray,
+        piece: np.ndarray,
+        places: np.ndarray,
+        near: np.ndarray,
+        on: np.ndarray,
     ) -> np.ndarray:
         """Which starts are good; those `near` the mirror, numbers (K,), get other places, and `on` is marked."""
         chart, started = self.chart, np.ones(len(point), bool)

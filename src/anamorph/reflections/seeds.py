@@ -9,20 +9,20 @@ import numpy as np
 from anamorph.base.compiled import compiled, over_all_cores
 from anamorph.base.vectors import Vector, along, dot
 from anamorph.raytriangle.rows import CHANGE, FLAT, LENGTHS, MEAN, MIDDLE, PACE, PLANES, SHIFT, START, three
-from anamorph.raytriangle.solve import COUNT, ROOT, ROOTS, VALID, solve_point
 from anamorph.raytriangle.scaled import SPREAD
+from anamorph.raytriangle.solve import COUNT, ROOT, ROOTS, VALID, solve_point
 from anamorph.reflections.cone_tree import PAD, ConeTree, in_ball, may_reach
 
 GRAIN = 2048
 """Points that one core takes at a time."""
 
-MOST = 512
+MOST = 4096
 """Starts for one point on one mirror: where there are more, whole curves or surfaces of the mirror show it."""
 
 BEHIND = -1.0
-"""How far behind its piece a ray may meet a point, in lengths of its direction: a concave mirror lies behind its pieces."""
+"""How far behind its piece a ray may meet a point, in lengths of its direction: concave mirrors are behind theirs."""
 
-THIN, MISS = 0.1, 0.15
+THIN, MISS = 0.1, 0.04
 """How thin the triangle of a piece's rays has to be, as a share of how wide it could be, for its rays to say nothing of
 where across it a point is seen; and how far the point may be from it then."""
 
@@ -120,15 +120,13 @@ def _walk(
                 continue
             solve_point(tree.rows[row], x, y, z, found, solved)
             point, roots = (solved[0], solved[1], solved[2]), int(solved[COUNT])
-            if roots < 3:
-                roots = _extrema(tree.rows[row], point, roots, solved)
-            for root in range(roots):
+            for root in range(_with_extrema(tree.rows[row], point, roots, solved)):
                 at = ROOTS + ROOT * root
                 t, u, v = solved[at], solved[at + 1], solved[at + 2]
                 if not (t + tree.rows[row, SHIFT]) * tree.rows[row, PACE] > BEHIND:
                     continue
                 if not (solved[at + 3] == VALID and _inside(u, v)):
-                    u, v, near = _nearest(tree.rows[row], point, t)
+                    u, v, near = _nearest(tree.rows[row], point, t, root < roots)
                     if not (near and _inside(u, v)):
                         continue
                 owners[count, 0], owners[count, 1] = k, piece
@@ -143,7 +141,7 @@ def _inside(u: float, v: float) -> bool:
 
 
 @compiled
-def _extrema(row: np.ndarray, point: Vector, roots: int, solved: np.ndarray) -> int:
+def _with_extrema(row: np.ndarray, point: Vector, roots: int, solved: np.ndarray) -> int:
     """Add to the roots of a point the extrema of its cubic: how many there are then.
 
     The exact surface may have the two roots that the cubic just misses.
@@ -163,21 +161,22 @@ def _extrema(row: np.ndarray, point: Vector, roots: int, solved: np.ndarray) -> 
 
 
 @compiled
-def _nearest(row: np.ndarray, point: Vector, t: float) -> tuple[float, float, bool]:
-    """The weights at t of the ray that passes by the point, and whether it passes closely: by damped least squares.
+def _nearest(row: np.ndarray, point: Vector, t: float, thin: bool) -> tuple[float, float, bool]:
+    """The weights at t of the ray that passes by a point, and whether they are of use: by damped least squares.
 
     Near a caustic the piece's rays at t lie almost in a line. Across it they hardly say where the point is seen, and
-    the damping leaves the weights in the middle.
+    the damping leaves the weights in the middle. Where `thin` is asked for and they do not, there is nothing of use.
     """
     off = along(point, -t, three(row, MEAN))
     e = along(three(row, START), t, three(row, CHANGE))
     g = along(three(row, START + 3), t, three(row, CHANGE + 3))
     wide = row[LENGTHS] + row[LENGTHS + 1] + abs(t) * (row[LENGTHS + 2] + row[LENGTHS + 3])
     damping = (THIN * wide) ** 2
-    ee, eg, gg = dot(e, e) + damping, dot(e, g), dot(g, g) + damping
-    determinant = ee * gg - eg * eg
-    if not determinant > 0.0:
+    ee, eg, gg = dot(e, e), dot(e, g), dot(g, g)
+    if thin and not ee * gg - eg * eg <= 2.0 * damping * (ee + gg):
         return 0.0, 0.0, False
+    ee, gg = ee + damping, gg + damping
+    determinant = ee * gg - eg * eg
     one, other = dot(e, off), dot(g, off)
     first, second = (gg * one - eg * other) / determinant, (ee * other - eg * one) / determinant
     left = along(along(off, -first, e), -second, g)

@@ -34,7 +34,11 @@ def in_triangle(kind: int, trim: Trim, triangle: int, place: Vector, position: V
             and place[1] >= -BESIDE
             and place[0] + place[1] <= 1.0 + BESIDE
         )
-    a, b, c = (_corner(trim.triangles, triangle, 0), _corner(trim.triangles, triangle, 1), _corner(trim.triangles, triangle, 2))
+    a, b, c = (
+        _corner(trim.triangles, triangle, 0),
+        _corner(trim.triangles, triangle, 1),
+        _corner(trim.triangles, triangle, 2),
+    )
     whole = dot(a, cross(b, c))
     if whole == 0.0:
         return False
@@ -91,7 +95,10 @@ def belong(
     """
     leaves, count = len(balls) // 2, len(order)
     for i in range(start, stop):
-        place, position = (places[i, 0], places[i, 1], places[i, 2]), (positions[i, 0], positions[i, 1], positions[i, 2])
+        place, position = (
+            (places[i, 0], places[i, 1], places[i, 2]),
+            (positions[i, 0], positions[i, 1], positions[i, 2]),
+        )
         if in_triangle(kind, trim, triangles[i], place, position):
             continue
         triangles[i] = -1

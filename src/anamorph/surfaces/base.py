@@ -3,9 +3,9 @@
 To add another surface:
 
 1. Write its file: a frozen dataclass that derives from `Surface` and has all that is abstract here, and compiled
-   `meet` and `expand`. One that is a height above a plane derives from `SagSurface` (sag.py), and one with two parameters and
-   derivatives from `Patch` (patch.py); these leave little to write.
-2. Add the class to `SURFACES` in intersection.py.
+   `meet` and `expand`. One that is a height above a plane derives from `SagSurface` (sag.py), and one with two
+   parameters and derivatives from `Patch` (patch.py); these leave little to write.
+2. Add the class to `SURFACES` in intersection.py, and its `expand` to expansion.py.
 3. Add it to device_numbers.py and meet.wgsl; until then the device bends its rays at the mesh.
 4. Add some of it to `SURFACES` in tests/surface_instances.py: the contract test then holds it to every law.
 """
@@ -20,7 +20,6 @@ import numpy as np
 
 from anamorph.base.vectors import Vector
 from anamorph.surfaces.similarity import Similarity
-
 
 Expansion = tuple[bool, Vector, Vector, Vector, Vector, Vector, Vector]
 """Whether there is a surface; the position, its slopes along two parameters a and b, and its bends aa, ab and bb."""

@@ -2,49 +2,25 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
-import numba
 import numpy as np
 
 from anamorph.base.compiled import compiled
 from anamorph.base.vectors import Vector, across, along, unit
-from anamorph.surfaces.base import Expansion, Surface
+from anamorph.surfaces.base import Expansion
+from anamorph.surfaces.bezier import BezierPatch
+from anamorph.surfaces.even_asphere import EvenAsphere
 from anamorph.surfaces.intersection import SURFACES
+from anamorph.surfaces.nurbs import NurbsSurface
+from anamorph.surfaces.plane import Plane
 from anamorph.surfaces.sphere import Sphere
+from anamorph.surfaces.toroid import Toroid
 
-SPHERE = 1 + SURFACES.index(Sphere)
+PLANE, SPHERE, BEZIER, NURBS, TOROID, ASPHERE = (
+    1 + SURFACES.index(kind) for kind in (Plane, Sphere, BezierPatch, NurbsSurface, Toroid, EvenAsphere)
+)
 
-
-def dispatched(surfaces: tuple[type[Surface], ...]) -> Callable:
-    """A compiled function that takes a kind and what `Surface.expand` takes, and calls that of the surface of this
-    kind, as `intersection.dispatch` does it with `meet`."""
-    found = _nothing
-    for kind in range(len(surfaces), 0, -1):
-        found = _own_or_other("_".join(each.__name__ for each in surfaces[kind - 1 :]), kind, surfaces[kind - 1], found)
-    return found
-
-
-@compiled
-def _nothing(kind, numbers, place):
-    zero = (0.0, 0.0, 0.0)
-    return False, zero, zero, zero, zero, zero, zero
-
-
-def _own_or_other(name: str, own_kind: int, surface: type[Surface], other: Callable) -> Callable:
-    own = surface.expand
-
-    def own_or_other(kind, numbers, place):
-        if kind == own_kind:
-            return own(numbers, place)
-        return other(kind, numbers, place)
-
-    # Of two functions of one name, machine code that was kept on disk can take the wrong one.
-    own_or_other.__qualname__ = f"expand_{name}"
-    return numba.njit(own_or_other, nogil=True, error_model="numpy", _nrt=False)
-
-
-_expand_any = dispatched(SURFACES)
+_of_plane, _of_sphere, _of_bezier = Plane.expand, Sphere.expand, BezierPatch.expand
+_of_nurbs, _of_toroid, _of_asphere = NurbsSurface.expand, Toroid.expand, EvenAsphere.expand
 
 
 @compiled
@@ -62,7 +38,20 @@ def expand(kind: int, numbers: np.ndarray, place: Vector) -> Expansion:
     -------
     Expansion
     """
-    return _expand_any(kind, numbers, place)
+    if kind == PLANE:
+        return _of_plane(numbers, place)
+    if kind == SPHERE:
+        return _of_sphere(numbers, place)
+    if kind == BEZIER:
+        return _of_bezier(numbers, place)
+    if kind == NURBS:
+        return _of_nurbs(numbers, place)
+    if kind == TOROID:
+        return _of_toroid(numbers, place)
+    if kind == ASPHERE:
+        return _of_asphere(numbers, place)
+    zero = (0.0, 0.0, 0.0)
+    return False, zero, zero, zero, zero, zero, zero
 
 
 @compiled

@@ -12,7 +12,16 @@ from anamorph.base.errors import AnamorphError
 from anamorph.base.vectors import Vector
 from anamorph.surfaces.base import Expansion
 from anamorph.surfaces.bsplines import basis
-from anamorph.surfaces.nurbs_pieces import EXTENT, LOW_U, LOW_V, SIZE_U, SIZE_V, expand_pieces, pieces, point_and_tangents
+from anamorph.surfaces.nurbs_pieces import (
+    EXTENT,
+    LOW_U,
+    LOW_V,
+    SIZE_U,
+    SIZE_V,
+    expand_pieces,
+    pieces,
+    point_and_tangents,
+)
 from anamorph.surfaces.patch import Patch
 from anamorph.surfaces.patch_search import meet_patch
 from anamorph.surfaces.similarity import Similarity

@@ -1,4 +1,4 @@
-"""Where a ray meets a surface that is given by its sag: Newton's iteration along the ray; and its derivatives. Compiled.
+"""Where a ray meets a surface that is given by its sag: Newton's iteration along it; and derivatives. Compiled.
 
 It is part of the machine code of each surface: what takes a function as an argument cannot be kept on disk alone.
 """

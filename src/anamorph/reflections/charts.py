@@ -7,13 +7,14 @@ weights of a triangle's second and third corner, and the triangle's number.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
 
 from anamorph.base.compiled import compiled
-from anamorph.optics.borders import mirror_borders
+from anamorph.optics.borders import RoundBorder, mirror_borders
 from anamorph.scene.lens_pairs import border_edges
 from anamorph.scene.model import Mesh
 from anamorph.surfaces.expansion import expand
@@ -30,6 +31,11 @@ the mirror's pieces turn: a wave then has about 25 pieces."""
 
 INWARD = 1e-3
 """How far into a triangle that ends at a pole the normal at the pole is taken, as a share of the way to its middle."""
+
+BEYOND = 1.1
+"""How far beyond an arc the tangents at its ends meet, in its heights over its chord: the arcs of borders are short."""
+
+SAME_NORMAL = 1e-7
 
 MOST_CUTS = 64
 MOST_PIECES = 200_000
@@ -65,6 +71,8 @@ class Chart:
         The exact surface, from `intersection.pack`; of a plain mesh, the corners and normals of each triangle.
     size : float
         The longest side of the box around it, metres.
+    side : float
+        1 where slope a x slope b points to the mirror's outside, else -1.
     trim : Trim
     faces : (T,) int64
         The triangle of the mesh for each of the trim's: at a pole of a patch, two stand for one.
@@ -77,6 +85,7 @@ class Chart:
     kind: int
     numbers: np.ndarray
     size: float
+    side: float
     trim: Trim
     faces: np.ndarray
     parents: np.ndarray
@@ -92,21 +101,22 @@ def chart_of(mesh: Mesh) -> Chart:
         return _plain_chart(mesh, size)
     kind, numbers = pack(mesh.surface)
     triangles, faces = mesh.surface.places(mesh.parameters)[mesh.faces], np.arange(len(mesh.faces))
-    arcs, circles = _arcs(mesh)
+    rounds = mirror_borders(mesh)
+    arcs, circles = _arcs(mesh, rounds)
     if kind in PATCHES:
         triangles, faces = _with_poles(kind, numbers, triangles, size)
         arcs = arcs[faces]
     toward = np.asarray(mesh.normals, float)[mesh.faces[faces]].sum(axis=1)
     trim = Trim(triangles, arcs, circles)
-    parents, corners = np.arange(len(triangles)), triangles
+    parents, corners = _with_caps(mesh, rounds, arcs, triangles)
     if kind != PLANE:
         longest = _longest(_expanded(kind, numbers, corners)[0])
         parents, corners = _cut(parents, corners, np.ceil(longest * CELLS / size))
         parents, corners = _cut(parents, corners, _waves(kind, numbers, corners))
     positions, normals = _expanded(kind, numbers, corners)
-    turned = np.einsum("pki,pi->pk", normals, toward[parents]) < 0.0
-    normals[turned] *= -1.0
-    return Chart(kind, numbers, size, trim, faces, parents, np.ascontiguousarray(corners), positions, normals)
+    side = 1.0 if np.sum(normals.sum(axis=1) * toward[parents]) > 0.0 else -1.0
+    corners, normals = np.ascontiguousarray(corners), side * normals
+    return Chart(kind, numbers, size, side, trim, faces, parents, corners, positions, normals)
 
 
 def _plain_chart(mesh: Mesh, size: float) -> Chart:
@@ -114,12 +124,20 @@ def _plain_chart(mesh: Mesh, size: float) -> Chart:
     normals = np.asarray(mesh.normals, float)[mesh.faces]
     normals = normals / np.linalg.norm(normals, axis=2, keepdims=True)
     count = len(mesh.faces)
-    corners = np.zeros((count, 3, 3))
-    corners[:, 1, 0] = corners[:, 2, 1] = 1.0
-    corners[:, :, 2] = np.arange(count)[:, None]
     numbers = np.concatenate([positions.reshape(count, 9), normals.reshape(count, 9)], axis=1).ravel()
-    trim = Trim(corners, np.zeros((count, 3), np.int64), np.zeros((0, 7)))
-    return Chart(NONE, numbers, size, trim, np.arange(count), np.arange(count), corners, positions, normals)
+    places = np.zeros((count, 3, 3))
+    places[:, 1, 0] = places[:, 2, 1] = 1.0
+    places[:, :, 2] = np.arange(count)[:, None]
+    trim = Trim(places, np.zeros((count, 3), np.int64), np.zeros((0, 7)))
+    # Between corners of one normal, rays are interpolated exactly.
+    flat = np.abs(normals - normals[:, :1]).max(axis=(1, 2)) <= SAME_NORMAL
+    parents, corners = _cut(np.arange(count), places, np.where(flat, 1.0, np.ceil(_longest(positions) * CELLS / size)))
+    corners[:, :, 2] = parents[:, None]
+    u, v = corners[..., :1], corners[..., 1:2]
+    weights = np.concatenate([1.0 - u - v, u, v], axis=2)
+    positions, normals = weights @ positions[parents], weights @ normals[parents]
+    normals /= np.linalg.norm(normals, axis=2, keepdims=True)
+    return Chart(NONE, numbers, size, 1.0, trim, np.arange(count), parents, corners, positions, normals)
 
 
 def _with_poles(kind: int, numbers: np.ndarray, triangles: np.ndarray, size: float) -> tuple[np.ndarray, np.ndarray]:
@@ -150,10 +168,10 @@ def _longest(positions: np.ndarray) -> np.ndarray:
     return np.linalg.norm(positions - np.roll(positions, 1, axis=1), axis=2).max(axis=1)
 
 
-def _arcs(mesh: Mesh) -> tuple[np.ndarray, np.ndarray]:
+def _arcs(mesh: Mesh, rounds: Sequence[RoundBorder]) -> tuple[np.ndarray, np.ndarray]:
     """The arcs and circles of a `Trim`."""
     assert mesh.surface is not None
-    arcs, rounds = np.zeros(mesh.faces.shape, np.int64), mirror_borders(mesh)
+    arcs = np.zeros(mesh.faces.shape, np.int64)
     # On a sphere the border is where a plane cuts it, whichever of the two caps the mirror is.
     flat = isinstance(mesh.surface, Sphere)
     circles = np.array([[*each.middle, *each.axis, 0.0 if flat else each.radius] for each in rounds]).reshape(-1, 7)
@@ -171,6 +189,32 @@ def _arcs(mesh: Mesh) -> tuple[np.ndarray, np.ndarray]:
             inside = heights > 0.0 if flat else np.linalg.norm(circle.across(facing), axis=1) < circle.radius
             arcs[on, corner] = np.where(inside[on], number, -number)
     return arcs, circles
+
+
+def _with_caps(
+    mesh: Mesh, rounds: Sequence[RoundBorder], arcs: np.ndarray, triangles: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Triangles (T, 3, 3), and others that hold what lies between their edges and the arcs that these stand for.
+
+    Returns
+    -------
+    parents : (T + C,) int64
+        The triangle of each.
+    corners : (T + C, 3, 3) float64
+    """
+    parents, corners = [np.arange(len(triangles))], [triangles]
+    for number, circle in enumerate(rounds, start=1):
+        for corner in range(3):
+            own = np.flatnonzero(arcs[:, corner] == number)
+            ends = np.stack([triangles[own, (corner + 1) % 3], triangles[own, (corner + 2) % 3]], axis=1)
+            assert mesh.surface is not None
+            points = mesh.surface.position(mesh.surface.placed(ends.reshape(-1, 3))).reshape(-1, 2, 3)
+            middles = mesh.surface.places(mesh.surface.parameters(circle.middles(points)))
+            # The tangents of an arc meet about twice as far out as the arc itself is.
+            tips = middles + BEYOND * (middles - ends.mean(axis=1))
+            parents.append(own)
+            corners.append(np.concatenate([ends, tips[:, None]], axis=1))
+    return np.concatenate(parents), np.concatenate(corners)
 
 
 def _cut(parents: np.ndarray, corners: np.ndarray, counts: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -131,8 +131,8 @@ def reflection_points(
             raise AnamorphError(f"eye {tuple_of(place)} is on the mirror '{mesh.name}'; move it away from it")
         own = search.find(sought)
         found.append(own)
-        exact = mesh.surface is not None and mesh.parameters is not None
-        parameters.append(mesh.surface.placed(own.place) if exact else own.place[:, :2])
+        exact = mesh.surface if mesh.parameters is not None else None
+        parameters.append(own.place[:, :2] if exact is None else exact.placed(own.place))
         focus = np.bincount(own.point[own.order == 0], minlength=len(states)) > 0
         for marked, status in (
             (own.on, ReflectionStatus.ON_MIRROR),

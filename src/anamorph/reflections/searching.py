@@ -61,7 +61,6 @@ class MirrorSearch:
     chart: Chart
     tree: ConeTree
     eye: Vector
-    outward: np.ndarray
     lengths: np.ndarray
 
     @classmethod
@@ -69,7 +68,7 @@ class MirrorSearch:
         """Prepare the search on a mirror for the eye at (3,)."""
         edges = np.linalg.norm(chart.positions - np.roll(chart.positions, 1, axis=1), axis=2)
         tree = cone_tree(chart, *ordered(chart), eye)
-        return cls(chart, tree, tuple_of(eye), chart.normals.sum(axis=1), edges.max(axis=1))
+        return cls(chart, tree, tuple_of(eye), edges.max(axis=1))
 
     def find(self, points: np.ndarray) -> OnMirror:
         """The reflection points of points (N, 3)."""
@@ -151,10 +150,8 @@ class MirrorSearch:
 
         over_all_cores(work, len(point), GRAIN)
         position, normal = rows[:, POSITION : POSITION + 3], rows[:, NORMAL : NORMAL + 3]
-        turned = np.einsum("si,si->s", normal, self.outward[piece]) < 0.0
-        normal[turned] *= -1.0
         for end in (np.asarray(self.eye), sought):
-            ok &= np.einsum("si,si->s", normal, end - position) > 0.0
+            ok &= chart.side * np.einsum("si,si->s", normal, end - position) > 0.0
         found = np.flatnonzero(ok)
         triangles = self._triangles(
             piece[found], rows[found, PLACE : PLACE + 3].copy(), rows[found, POSITION : POSITION + 3].copy()

@@ -10,7 +10,7 @@ decides by its own ray what it sees. A shader that is not listed has the name of
 | 3.1 to 3.6 | where a ray triangle sees a point: the cubic and its roots | `raytriangle` |
 | 3.7 | which scene triangles a ray triangle may see | `box_tree`, `pairs`, `plan` |
 | not in it | whether a ray meets a scene triangle, by the pair's quadratics | `terms` |
-| not in it | what each sample sees: the nearest pair that its ray meets | `sights`, `looking` |
+| not in it | what each sample sees: the nearest pair that its ray meets | `sights`, `sample_sights` |
 | 4, 5 | in place of these two: straight lines between projected corners | `straight` |
 | 7.2.3 | rays that go on from a mirror seen in a mirror | `samples`, `following` |
 | not in it | where each sample's path ends, for the visibility buffer | `visibility`, `path_ends` |

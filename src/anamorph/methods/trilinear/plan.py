@@ -11,8 +11,8 @@ import numpy as np
 from anamorph.base.compiled import cores, steps_over_all_cores
 from anamorph.methods.trilinear.beams import Beams
 from anamorph.methods.trilinear.box_tree import BoxTree
-from anamorph.methods.trilinear.looking import keep_shown, look
 from anamorph.methods.trilinear.pairs import Own, Workspace, fill, make_workspace
+from anamorph.methods.trilinear.sample_sights import keep_shown, look
 from anamorph.methods.trilinear.sights import Sights
 from anamorph.raytriangle.camera_frames import Frames
 

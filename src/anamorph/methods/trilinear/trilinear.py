@@ -177,10 +177,8 @@ class TrilinearDrawing(FindingDrawing):
     def _owners(self, rays: RayTriangles) -> tuple[Places, np.ndarray]:
         """Where ray triangles are, and which of them own samples."""
         places = places_of(sampled(rays.image, self.visibility.side, (0.0, 0.0)), self.visibility.size)
-        fronts = None
-        if not self._bare:
-            # Triangles that turn their front to the eye are clockwise in the image, whose y points down.
-            fronts = np.linalg.det(rays.image) < 0.0
+        fronts = None if self._bare else places.front
+        if fronts is not None:
             # From behind, a lens is not looked at.
             places.box[~fronts & (rays.lens > 0)] = 0
         return places, owners_of(places, self.visibility.size, fronts, self._nearness, self._owner)

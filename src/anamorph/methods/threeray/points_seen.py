@@ -30,6 +30,9 @@ AT_FIRST = 2**14
 SHARE = 0.5
 """A node is one point if its radius is less than this share of a square's side: with 1, holes open."""
 
+BORDER = 0.25
+"""A node of less than this share of that area is one point also if the camera does not see the point."""
+
 
 def stand_ins(tree: SurfelTree) -> np.ndarray:
     """The point that each node is where it is small: a surfel near its middle, (M,) int64."""
@@ -115,7 +118,11 @@ def _see(
             shape = (half[0], half[1], half[2], 0.0, 0.0, 0.0)
             first, last = nodes.first[node], nodes.first[node] + nodes.held[node]
             seen = _is_seen(frames, bases, c, vector(nodes.middle[node]), shape)
-            one = seen and dot(half, half) < limit * limit * _sample(frames, bases, c, vector(nodes.middle[node]))
+            most = limit * limit * _sample(frames, bases, c, vector(nodes.middle[node])) if seen else 0.0
+            one = seen and dot(half, half) < most
+            # At a camera's border the point may be its neighbour's; not much further down, that is all there is.
+            if one and dot(half, half) > BORDER * most:
+                one = _is_seen(frames, bases, c, vector(nodes.center[points[node]]), nothing)
             if one:
                 first, last = points[node], points[node] + 1
             if seen:

@@ -1,7 +1,9 @@
 """How many of all reflection points are found, how many are spurious, and what a point takes.
 
-Run it with `./run bench reflection-points`. It prints a line for each mirror, and then the time of a point by how many
-pieces a mirror is cut into.
+Run it with `./run bench reflection-points`. It prints a line for each mirror: of how many points how many places are
+found, how many of one point, how many of the truth's are missed, how many it does not have, how many of all break the
+law of reflection, of how many points the status is not `FOUND`, and the processor time of a point. Then it prints this
+time by how many pieces a mirror has.
 """
 
 from __future__ import annotations
@@ -21,6 +23,7 @@ from reflected_truth import (
     ball_points,
     dense_points,
     door_mirror,
+    normal_at,
     points_before,
     ripples,
     saddle,
@@ -65,10 +68,14 @@ def report(name: str, trial: Trial, points: np.ndarray, truth) -> None:
     who, places = who[order], places[order]
     missed = len(unmatched(who, places, found.point, found.position, 1e-9 * trial.size))
     more = len(unmatched(found.point, found.position, who, places, 1e-9 * trial.size))
+    normals = normal_at(trial, found.parameters)
+    ways = [end - found.position for end in (trial.eye, points[found.point])]
+    both = sum(way / np.linalg.norm(way, axis=1, keepdims=True) for way in ways)
+    wrong = int((np.linalg.norm(np.cross(both, normals), axis=1) > 1e-8).sum())
     unsure = int((found.point_status > 0).sum())
     print(
-        f"{name:26} {len(points):7} {len(found.point):7} {found.counts.max():4} {missed:7} {more:7} {unsure:7} "
-        f"{len(search.chart.parents):7} {spent:8.1f}",
+        f"{name:26} {len(points):7} {len(found.point):7} {found.counts.max():4} {missed:7} {more:7} {wrong:7} "
+        f"{unsure:7} {len(search.chart.parents):7} {spent:8.1f}",
         flush=True,
     )
 
@@ -78,7 +85,7 @@ def main() -> None:
     parser.add_argument("--points", type=int, default=100_000, help="random points for each mirror")
     parser.add_argument("--only", nargs="*", help="names of mirrors, or their first letters")
     chosen = parser.parse_args()
-    print("mirror                      points   found most  missed    more  unsure  pieces  us/point")
+    print("mirror                      points   found most  missed    more   wrong  unsure  pieces  us/point")
 
     def wanted(name: str) -> bool:
         return not chosen.only or any(name.startswith(each) for each in chosen.only)

@@ -35,7 +35,8 @@ from anamorph.surfaces.even_asphere import EvenAsphere
 CLOSE = 1e-9
 """Of the mirror's size."""
 
-TRIALS = {each.__name__: each for each in (saddle, toroid, torus, door_mirror, ripples)}
+TRIALS = {each.__name__: each for each in (saddle, toroid, torus, door_mirror)}
+TRIALS["ripples"] = lambda: replace(ripples(0.016, 3), cells=330)
 
 
 @pytest.fixture(scope="module")
@@ -88,7 +89,7 @@ def test_a_ball_shows_what_alhazen_s_quartic_says(eye, concave):
 
 
 @pytest.mark.parametrize(
-    ("name", "count"), [("saddle", 250), ("toroid", 250), ("torus", 150), ("door_mirror", 200), ("ripples", 25)]
+    ("name", "count"), [("saddle", 250), ("toroid", 250), ("torus", 150), ("door_mirror", 200), ("ripples", 20)]
 )
 def test_no_start_of_a_dense_grid_finds_more(name, count, trials):
     trial = replace(trials[name], cells=trials[name].cells * 2 // 3)
@@ -98,7 +99,7 @@ def test_no_start_of_a_dense_grid_finds_more(name, count, trials):
     assert not len(unmatched(who, places, found.point, found.position, CLOSE * trial.size))
     # What the grid does not find is nearer to the surface than its cells.
     assert len(who) <= len(found.point) <= 1.002 * len(who) + 1
-    assert (name == "ripples") == (found.counts.max() > 9)
+    assert (name == "ripples") == (found.counts.max() > 6)
 
 
 @pytest.mark.parametrize("name", TRIALS)

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from anamorph.base.errors import AnamorphError
+from anamorph.methods.threeray import surfel_tree
 from anamorph.methods.threeray import surfels as module
 from anamorph.methods.threeray.surfel_tree import LEAF, make_tree
 from anamorph.methods.threeray.surfels import evenly, magnified, sample
@@ -141,7 +142,8 @@ def test_many_surfels_at_one_place_are_one_leaf():
     assert tree.count.tolist() == [100_000]
 
 
-def test_rays_meet_fewer_of_what_is_parted_than_of_what_is_halved():
+def test_rays_meet_fewer_of_what_is_parted_than_of_what_is_halved(monkeypatch):
+    monkeypatch.setattr(surfel_tree, "POINTS", LEAF)
     corners = triangles(6, 2000)
     found, one = sample(corners, evenly(corners, 0.4)), np.ones(len(corners), int)
     asked = []

@@ -163,9 +163,18 @@ fn is_specular(number: u32) -> bool {
     return objects[number - 1u].kind != DIFFUSE;
 }
 
+fn is_mirror(number: u32) -> bool {
+    return objects[number - 1u].kind == MIRROR;
+}
+
+// The tint of a mirror or of glass.
+fn tint_of(number: u32) -> vec3f {
+    return objects[number - 1u].tint;
+}
+
 // A mirror's tint, and its reflectance at normal incidence.
 fn silver_of(number: u32) -> vec4f {
-    return vec4f(objects[number - 1u].tint, objects[number - 1u].parameter);
+    return vec4f(tint_of(number), objects[number - 1u].parameter);
 }
 
 // Tint and Schlick's reflectance of a mirror at the cosine between its normal and the ray.

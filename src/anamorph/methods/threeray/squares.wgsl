@@ -43,21 +43,20 @@ fn arriving(camera: ThreeRayCamera, origin: vec3f, direction: vec3f, weights: ve
     if camera.item == 0u {
         return vec3f(1.0);
     }
-    if objects[camera.item - 1u].kind == MIRROR {
+    if is_mirror(camera.item) {
         let incident = normalize(origin - projection.eye.xyz);
         return mirror_reflectance(camera.item, 0.5 * length(direction - incident));
     }
-    return dot(camera.transmittance, weights) * objects[camera.item - 1u].tint * objects[camera.left - 1u].tint;
+    return dot(camera.transmittance, weights) * tint_of(camera.item) * tint_of(camera.left);
 }
 
 // Where a path meets a mirror's front or glass, it ends as if nothing followed.
 fn status_there(triangle: u32, direction: vec3f) -> u32 {
     let a = vertices[indices[3u * triangle]];
-    let kind = objects[a.object - 1u].kind;
     let one = position_of(vertices[indices[3u * triangle + 1u]]) - position_of(a);
     let other = position_of(vertices[indices[3u * triangle + 2u]]) - position_of(a);
-    let front = kind != MIRROR || dot(cross(one, other), direction) < 0.0;
-    return select(STATUS_PROJECTED, STATUS_OUTSIDE, kind != DIFFUSE && front);
+    let front = !is_mirror(a.object) || dot(cross(one, other), direction) < 0.0;
+    return select(STATUS_PROJECTED, STATUS_OUTSIDE, is_specular(a.object) && front);
 }
 
 @vertex

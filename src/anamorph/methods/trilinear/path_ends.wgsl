@@ -1,5 +1,5 @@
 // Where the path of each sample ends, as the visibility buffer keeps it.
-// needs: methods/trilinear/visibility.wgsl, gpu/path_end.wgsl, gpu/plane.wgsl
+// needs: gpu/scene.wgsl, methods/trilinear/visibility.wgsl, gpu/path_end.wgsl, gpu/plane.wgsl
 
 // 1 where what lies between projected corners is interpolated, as in the thesis.
 override STRAIGHT: bool = false;

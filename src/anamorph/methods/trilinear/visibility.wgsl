@@ -1,5 +1,5 @@
 // What the passes over an image's samples share: the ray triangles, whose samples are whose, and what these see.
-// needs: gpu/scene.wgsl, gpu/vertices.wgsl
+// needs: gpu/vertices.wgsl
 
 const SPECULAR = 0x80000000u;
 

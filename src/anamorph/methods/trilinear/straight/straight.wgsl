@@ -1,5 +1,5 @@
 // Pieces with straight edges, as the thesis draws them: what lies between projected corners is interpolated.
-// needs: methods/trilinear/visibility.wgsl
+// needs: gpu/scene.wgsl, methods/trilinear/visibility.wgsl
 
 // A corner of a piece with straight edges: its place in pixels, the weights of the scene triangle's second and third
 // corner, and t.

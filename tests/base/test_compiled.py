@@ -1,4 +1,4 @@
-"""Machine code that is kept on disk is made anew when any compiled function of the package has changed."""
+"""Machine code that is kept on disk is made again when any compiled function of the package has changed."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ def test_modules_that_are_built_into_others_are_among_them():
     assert {"vectors.py", "embree.py", "solve.py", "bounces.py", "pixel_errors.py"} <= names
 
 
-def test_machine_code_for_types_that_have_moved_is_made_anew(tmp_path):
+def test_machine_code_for_types_that_have_moved_is_made_again(tmp_path):
     script = """
 import sys
 from pathlib import Path

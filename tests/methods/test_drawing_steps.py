@@ -23,12 +23,12 @@ from anamorph.gpu.recording import Recorder
 from anamorph.gpu.targets import read_texture
 from anamorph.methods import METHODS, Session, Specification, session
 from anamorph.methods.averaging import averaging
-from anamorph.methods.trilinear import beams, plan
+from anamorph.methods.trilinear import beams, plan, visibility
 from anamorph.methods.trilinear.beams import making_beams
 from anamorph.viewer.turntable import turntable
 
 SIZE = (48, 32)
-STEPPED = ("trilinear:bounces=3", "trilinear:antialias=4", "raytrace")
+STEPPED = ("trilinear:bounces=3", "trilinear:antialias=4", "trilinear:edges=straight", "raytrace")
 SCENE = make("facing-mirrors")
 
 
@@ -49,6 +49,7 @@ def same(one: Frame, other: Frame) -> bool:
 def small_steps(monkeypatch: pytest.MonkeyPatch) -> None:
     """So small that a small image takes many, and always as many."""
     monkeypatch.setattr(compiled, "cores", lambda: 1)
+    monkeypatch.setattr(visibility, "AT_ONCE", 3 * 8)
     monkeypatch.setattr(beams, "AT_ONCE", 3)
     monkeypatch.setattr(plan, "LARGEST_SHARE", 2)
     monkeypatch.setattr("anamorph.methods.tracing.paths.GRAIN", 100)
@@ -64,6 +65,7 @@ def whole_frame(specification: str, number: int) -> Frame:
 @pytest.mark.parametrize("specification", STEPPED)
 def test_a_frame_is_the_same_in_however_many_steps(specification: str, monkeypatch: pytest.MonkeyPatch) -> None:
     whole = whole_frame(specification, 0)
+    monkeypatch.setattr(visibility, "AT_ONCE", 3 * 5)
     monkeypatch.setattr(beams, "AT_ONCE", 2)
     monkeypatch.setattr(plan, "LARGEST_SHARE", 1)
     monkeypatch.setattr("anamorph.methods.tracing.paths.GRAIN", 77)

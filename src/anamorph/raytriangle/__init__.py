@@ -14,15 +14,13 @@ The thesis's parametric triangle at t is the one between the points p + t n.
 | | through many points, on all the cores | `points`: `project_points` |
 | 3.6 | the same on the graphics device, not imported here | `on_device`: `project_points_on_device` |
 | 3.7 | which points no ray meets | `sides`: `side_surfaces` |
-| 3.7 | which boxes no ray meets | `boxes`: `bounding_planes` |
 | | which samples of an image each ray triangle owns | `owners` |
+| | a tree of boxes | `parting` |
 | | which boxes and surfels it may see, bounded linearly | `camera_frames`, `bounds`: `seen_weights` |
 | | which boxes it may see, by its side walls (Mei, Popescu and Sacks 2007, section 5.2) | `walls`: `meets_volume` |
 | | which points are seen once (the same, section 5.1) | `sweeping`: `seen_once`, `sees_once` |
 """
 
-from anamorph.raytriangle.boxes import BoundingPlanes as BoundingPlanes
-from anamorph.raytriangle.boxes import bounding_planes as bounding_planes
 from anamorph.raytriangle.points import Projections as Projections
 from anamorph.raytriangle.points import project_points as project_points
 from anamorph.raytriangle.sides import SideSurfaces as SideSurfaces

@@ -1,8 +1,9 @@
 """A tree of ray cones: which pieces of a mirror may send a ray of the eye to a point.
 
-Each node holds a ball around its pieces, a cone around the directions of their reflected rays, and whether one of them
-turns its front to the eye. A ray from somewhere in the ball along some direction of the cone can reach a point only if,
-seen from the ball's middle, the point is no further from the cone's axis than the angles of cone and ball together.
+Each node holds a ball around its pieces, a cone around the directions of their reflected rays, and whether one of
+them turns its front to the eye. A ray that starts in the ball and goes in a direction of the cone can reach a point
+only under one condition. Seen from the ball's middle, the angle between the cone's axis and the point must not exceed
+the angles of the cone and the ball together.
 """
 
 from __future__ import annotations

@@ -6,19 +6,20 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from scenes import CAMERA, SIZE, drawn, open_view, scene_with, spherical_mirror
+from scenes import CAMERA, SIZE, drawn, open_view, plane_mirror, scene_with, spherical_mirror, surroundings
 
 from anamorph.base.errors import AnamorphError
 from anamorph.cameras import pinhole
 from anamorph.frame import Status
 from anamorph.gallery.solids import box
+from anamorph.gallery.spheres import mirror_ball
 from anamorph.measure.errors import measure
 from anamorph.methods.threeray.background import ERROR, are_near, least_distances
 from anamorph.methods.threeray.cameras_seen import mesh_cameras
 from anamorph.methods.threeray.surfels import sample
 from anamorph.rays.caster import Caster
 from anamorph.scene.geometry import flatten
-from anamorph.scene.model import Diffuse
+from anamorph.scene.model import Diffuse, Scene
 
 MIRROR = spherical_mirror(count=4)
 
@@ -79,6 +80,44 @@ def test_surfels_are_near_a_middle_as_far_as_they_reach():
     assert are_near(surfels, middles, np.array([5.0, 0.0])).tolist() == [True, True, False]
     assert are_near(surfels, middles, np.array([-1.0, 20.0])).tolist() == [False, False, True]
     assert not are_near(surfels, np.zeros((0, 3)), np.zeros(0)).any()
+
+
+def test_mirrors_are_near_wherever_they_are():
+    ball = mirror_ball("ball", (0.0, 0.5, 0.0), 0.15, rows=12, columns=18)
+    other = plane_mirror("other", (-2.0, 0.0, 2.9), (0.0, 1.5, 0.0), (4.0, 0.0, 0.0))
+    scene = Scene("two", (ball, other, *surroundings()), CAMERA)
+    whole, mapped = drawn(scene, "threeray"), drawn(scene, "threeray:background=map,near=0.01")
+    assert (mapped.status == Status.WARPED).sum() > 100
+    # From inside of the ball, what surrounds it is seen, and not the ball.
+    assert not (mapped.object_id[mapped.status == Status.WARPED] <= 2).any()
+    followed = whole.status == Status.TRACED
+    assert followed.sum() > 20 and (mapped.status[followed] == Status.TRACED).all()
+    assert (mapped.color[followed] == whole.color[followed]).all()
+
+
+@pytest.mark.parametrize("behind", ["thing", "mirror"])
+def test_what_is_far_hides_what_is_near_another_mirror_behind_it(behind):
+    """A screen stands between two mirrors, far from both."""
+    other = plane_mirror("other", (2.0, -1.0, 5.0), (-4.0, 0.0, 0.0), (0.0, 4.0, 0.0))
+    thing = box((-2.0, -1.0, 4.7), (2.0, 3.0, 4.8)).mesh("thing", Diffuse((0.9, 0.1, 0.1)))
+    screen = box((-2.0, -1.0, 2.5), (2.0, 0.5, 2.6)).mesh("screen", Diffuse((0.1, 0.1, 0.9)))
+    scene = Scene("two", (MIRROR, other, *([thing] if behind == "thing" else []), screen), CAMERA)
+    truth = drawn(scene, "raytrace:truth=raymesh,bounces=1")
+    frame = drawn(scene, "threeray:background=map,near=0.8,bounces=1,spacing=0.2")
+    both = (truth.specular == 1) & (frame.specular == 1)
+    on_screen, beyond = (both & (truth.object_id == number) for number in (len(scene.meshes), len(scene.meshes) - 1))
+    assert on_screen.sum() > 500 < beyond.sum()
+    assert (frame.object_id[on_screen] == len(scene.meshes)).mean() > 0.97
+    assert (frame.status[on_screen] == Status.WARPED).mean() > 0.97
+    # At its edge the screen is off by what the map is.
+    assert (frame.object_id[beyond] == len(scene.meshes) - 1).mean() > 0.85
+
+
+def test_of_a_mirror_that_is_not_seen_everything_is_near():
+    camera = mesh_cameras(pinhole(CAMERA, SIZE), 1, (0.0, 0.0))
+    middles = np.array([CAMERA.position, [0.0, 0.0, 5.0]])
+    found = least_distances(camera, np.arange(len(camera.item)), middles, np.zeros(1, np.int64))
+    assert found[0] < 1e-9 and found[1] == np.inf
 
 
 def test_what_moves_is_seen_where_it_is():

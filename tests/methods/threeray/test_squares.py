@@ -68,6 +68,18 @@ def interpolated(corners: np.ndarray, u: np.ndarray, v: np.ndarray) -> np.ndarra
     return np.einsum("knrw,kwi->knri", np.stack([1.0 - u - v, u, v], axis=-1), corners)
 
 
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        ("splat=1,culling=walls", "culling is for surfels that rays meet; leave it out, or give splat=0"),
+        ("detail=false", "detail is for points; leave it out, or give splat=1 or splat=2"),
+    ],
+)
+def test_options_of_the_other_way_are_refused(options, words):
+    with pytest.raises(AnamorphError, match=words):
+        drawn(scene_with(flat_mirror()), f"threeray:{options}")
+
+
 def test_all_valid_projections_are_those_of_float64():
     origins, directions, points = three_rays(np.random.default_rng(5))
     scene = scene_with(flat_mirror())

@@ -70,7 +70,7 @@ def test_nothing_is_outside_of_its_own_border():
 
 
 def owned(rays) -> np.ndarray:
-    """The owner of each sample, (height, width), where there is no more than one ray triangle."""
+    """Find the owner of each sample, (height, width), for one ray triangle or none."""
     owner = np.empty(TWIN_SIZE[::-1], np.int32)
     owners_of(places_of(rays.image, TWIN_SIZE), TWIN_SIZE, None, np.empty(TWIN_SIZE[::-1]), owner)
     return owner

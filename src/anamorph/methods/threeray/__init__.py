@@ -5,7 +5,7 @@ Source: Mei, Popescu and Sacks, "A hybrid backward-forward method for interactiv
 | section of the paper | what | module |
 | --- | --- | --- |
 | 3.1 | the reflected geometry as surfels | `surfels` |
-| 4 | the tree over them | `surfel_tree`, `halving`, `parting` |
+| 4 | the tree over them | `surfel_tree`, `halving` |
 | 5 | the cameras of an image | `cameras_seen` |
 | | each sample's own ray | `sample_rays` |
 | in place of 6 | what each sample's ray meets | `meeting` |

@@ -18,7 +18,7 @@ class Bases(NamedTuple):
     plane: np.ndarray
     """(K, 4) float64: vectors m and numbers h: all that is seen is where m . x >= h. Without a plane they are 0."""
     samples: np.ndarray
-    """(K,) float64: how many samples the triangle covers in the image; 0 where nobody knows."""
+    """(K,) float64: how many samples the triangle covers in the image; 0 where that is not known."""
     spread: np.ndarray
     """(K,) float64: the solid angle between the three directions."""
 

@@ -5,9 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from anamorph.base.compiled import compiled
-
-DEEPEST = 64
-"""Halves that wait for their turn, at most: each level leaves one."""
+from anamorph.raytriangle.parting import DEEPEST
 
 
 def halved(points: np.ndarray, most: int, order: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

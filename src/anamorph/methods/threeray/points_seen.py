@@ -147,7 +147,7 @@ def _is_seen(frames: Frames, bases: Bases, c: int, middle: Vector, shape: Shape)
 
 @inlined
 def _sample(frames: Frames, bases: Bases, c: int, middle: Vector) -> float:
-    """The area that a sample of camera c covers about a place, across its rays, square metres; 0 if nobody knows.
+    """The area that a sample of camera c covers about a place, across its rays, square metres; 0 if it is not known.
 
     It is that of the camera's sweeping triangle there, over the samples that the camera has. Its root is the geometric
     mean of how wide and how high a sample is. A wide camera's is that of its solid angle.

@@ -1,7 +1,7 @@
 """A tree of boxes over surfels, by which a camera finds those that it may see.
 
 Each object has a tree of its own, and above these stands one over the objects. Nodes are in the order in which a
-traversal meets them: behind an inner node come its two halves. Compiled.
+traversal meets them: behind an inner node come its two halves.
 
 Source: Mei, Popescu and Sacks 2007, section 4. Deviation: nodes of points are halved at the median of their widest
 side, which bounds the depth whatever the points are, and those of surfels are parted where rays meet the fewest.
@@ -15,20 +15,15 @@ from typing import NamedTuple
 
 import numpy as np
 
-from anamorph.base.compiled import compiled
 from anamorph.methods.threeray.halving import halved
-from anamorph.methods.threeray.parting import parted
 from anamorph.methods.threeray.surfels import Surfels
+from anamorph.raytriangle.parting import boxes_of, parted, sizes_of
 
 LEAF = 8
 """Surfels in a leaf, at most, but for those that all have one centre."""
 
 POINTS = 2
 """Points in a leaf, at most: small leaves have nodes of nearly each size, so that one is nearly a pixel wide."""
-
-
-PAD, ROUNDING = 1e-9, 1e-12
-"""What boxes are widened by: as shares of their sides, and of their coordinates."""
 
 
 class Nodes(NamedTuple):
@@ -94,11 +89,10 @@ def make_tree(surfels: Surfels, face_object: np.ndarray, points: bool = False) -
             if points:
                 first, count = halved(surfels.center, POINTS, part)
             else:
-                first, count = parted(surfels.center, extents, LEAF, part)
+                first, count = parted(surfels.center - extents, surfels.center + extents, LEAF, part)
             parts.append((first + start, count))
     first, count = _above(parts, surfels.center, order) if parts else np.zeros((2, 1), np.int64)
-    ordered, size = surfels.chosen(order), np.empty(len(first), np.int64)
-    _measure(count, size)
+    ordered, size = surfels.chosen(order), sizes_of(count)
     return SurfelTree(ordered, first, count, size, **_boxes(ordered, first, count, size))
 
 
@@ -117,41 +111,6 @@ def _above(
 
 
 def _boxes(surfels: Surfels, first: np.ndarray, count: np.ndarray, size: np.ndarray) -> dict[str, np.ndarray]:
-    middle, half = np.zeros((2, len(first), 3))
-    _fit(surfels.center, surfels.half_extents(), first, count, size, middle, half)
+    extent = surfels.half_extents()
+    middle, half = boxes_of(surfels.center - extent, surfels.center + extent, first, count, size)
     return {"middle": middle, "half": half}
-
-
-@compiled
-def _measure(count: np.ndarray, size: np.ndarray) -> None:
-    """Count the nodes below each, from the last to the first."""
-    for node in range(len(count) - 1, -1, -1):
-        size[node] = 1
-        if count[node] == 0 and node + 1 < len(count):
-            left = node + 1
-            size[node] += size[left] + size[left + size[left]]
-
-
-@compiled
-def _fit(
-    center: np.ndarray,
-    extent: np.ndarray,
-    first: np.ndarray,
-    count: np.ndarray,
-    size: np.ndarray,
-    middle: np.ndarray,
-    half: np.ndarray,
-) -> None:
-    for node in range(len(count) - 1, -1, -1):
-        left = node + 1
-        right = left + size[left] if size[node] > 1 else 0
-        for k in range(3):
-            low, high = np.inf, -np.inf
-            if size[node] > 1:
-                low = min(middle[left, k] - half[left, k], middle[right, k] - half[right, k])
-                high = max(middle[left, k] + half[left, k], middle[right, k] + half[right, k])
-            for i in range(first[node], first[node] + count[node]):
-                low, high = min(low, center[i, k] - extent[i, k]), max(high, center[i, k] + extent[i, k])
-            if high >= low:
-                middle[node, k] = 0.5 * (low + high)
-                half[node, k] = 0.5 * (1.0 + PAD) * (high - low) + ROUNDING * max(abs(low), abs(high))

@@ -43,6 +43,7 @@ from anamorph.methods.threeray.scene_triangles import triangles_of
 from anamorph.methods.threeray.squares import Squares
 from anamorph.methods.threeray.surfel_tree import make_tree
 from anamorph.methods.threeray.surfels import Limit, Surfels, about, evenly, magnified, sample
+from anamorph.methods.tracing.bounces import DIFFUSE
 from anamorph.methods.tracing.launch import EyeRays, FirstRays, GivenRays
 from anamorph.methods.tracing.packing import packed
 from anamorph.methods.tracing.paths import PathTracer, specular_rectangle
@@ -167,10 +168,12 @@ class ThreeRayDrawing(FindingDrawing):
         if self._options.near == 0.0 and len(center):
             cameras, _, owning = self._looked_at(camera, (0.0, 0.0))
             distances = least_distances(cameras, owning, center, body)
-        near = are_near(surfels, center, distances)
+        # The way of light goes on from mirrors and lenses, which no map knows; and it starts inside of its own.
+        specular = self._materials.kind[geometry.face_object[surfels.triangle]] != DIFFUSE
+        near = specular | are_near(surfels, center, distances)
         far = np.zeros(len(geometry.faces), bool)
         far[surfels.triangle[~near]] = True
-        return surfels.chosen(np.flatnonzero(near)), make_background(geometry, far, center, body)
+        return surfels.chosen(np.flatnonzero(near)), make_background(geometry, far, center, distances, body)
 
     @cached_property
     def _tracer(self) -> tuple[Caster, PathTracer]:
@@ -285,7 +288,7 @@ class ThreeRayDrawing(FindingDrawing):
             cameras, places, self._triangles, materials, samples, rectangle, eye, self._options.bounces, shown
         )
         if self._background is not None:
-            show_behind(self._background, records, going)
+            going = show_behind(self._background, samples, rectangle, records, going)
         return records, going
 
     def _trace(
@@ -345,6 +348,10 @@ def open_session(view: View, options: Options) -> Session:
     check_options("threeray", options)
     if options.near > 0.0 and options.background == "scene":
         raise AnamorphError("threeray: near is for a map behind; leave it out, or give background=map")
+    if options.splat and options.culling == "walls":
+        raise AnamorphError("threeray: culling is for surfels that rays meet; leave it out, or give splat=0")
+    if not options.splat and not options.detail:
+        raise AnamorphError("threeray: detail is for points; leave it out, or give splat=1 or splat=2")
     stage = Stage(view)
     middles = partial(open_session, view, replace(options, antialias=1))
     return Session(stage, ThreeRayDrawing(stage, options), options.antialias, middles)

@@ -19,7 +19,7 @@ class Sights(NamedTuple):
 
     @classmethod
     def reserved(cls, size: tuple[int, int]) -> Sights:
-        """Arrays for an image of `size`, in which nobody owns a sample."""
+        """Arrays for an image of `size`, in which no sample has an owner."""
         shape = size[1], size[0]
         return cls(np.full(shape, -1, np.int32), np.full(shape, np.inf), np.zeros(shape, np.uint32))
 

@@ -2,7 +2,7 @@
 
 Source: Vallance, "Trilinear projection" (PhD thesis, 2005). A mirror, a lens, or a camera made by hand is a mesh of ray
 triangles (chapters 2, 5 to 7; ray_triangles.py). What each of them may see of the scene is found in a tree (beams,
-box_tree, pairs, plan), its samples keep what is nearest of it (sights, looking), and that is written into the
+box_tree, pairs, plan), its samples keep what is nearest of it (sights, sample_sights), and that is written into the
 visibility buffer (path_ends).
 
 Deviation: the thesis draws straight lines between the projected corners of a scene triangle, and more corners where
@@ -203,7 +203,7 @@ class TrilinearDrawing(FindingDrawing):
             rows = number[face]
         owning = owning[rows[owning] >= 0]
         rays = line.chosen(rows[owning])
-        # Its last two places are those of nobody and of a back.
+        # Its last two places are those of `NOBODY` and `BACK`.
         place_of = np.full(len(face) + 2, -1, np.int32)
         place_of[owning] = np.arange(len(owning))
         x0, y0, x1, y1 = rectangle

@@ -88,14 +88,17 @@ class ScenePipelines:
         Diffuse meshes: their depth, in a pass of its own, and then what is nearest, so that each pixel is shaded once.
     plain : pipeline
         The same as `meshes` for those without a texture.
-    backs, stand_ins : pipelines
-        Of specular meshes: the diffuse backs of mirrors, and the fronts that no method draws.
+    back_depth, backs : pipelines
+        The same of the backs of mirrors, which are diffuse.
+    stand_ins : pipeline
+        Fronts of mirrors that no method draws.
     sky : pipeline
     """
 
     depth: wgpu.GPURenderPipeline
     meshes: wgpu.GPURenderPipeline
     plain: wgpu.GPURenderPipeline
+    back_depth: wgpu.GPURenderPipeline
     backs: wgpu.GPURenderPipeline
     stand_ins: wgpu.GPURenderPipeline
     sky: wgpu.GPURenderPipeline
@@ -128,11 +131,15 @@ def scene_pipelines(output: str, samples: int = 1, mirrored: bool = False, sky_i
             samples=samples, mirrored=mirrored, constants=constants, **settings,
         )  # fmt: skip
 
+    def depth_pipeline(cull: str) -> wgpu.GPURenderPipeline:
+        return make_pipeline(module, "depth_vertex", None, (), samples=samples, mirrored=mirrored, cull=cull)
+
     return ScenePipelines(
-        depth=make_pipeline(module, "depth_vertex", None, (), samples=samples, mirrored=mirrored),
+        depth=depth_pipeline("none"),
         meshes=pipeline("scene_vertex", "scene", depth_compare="equal", depth_write=False),
         plain=pipeline("scene_vertex", "scene", textures=False, depth_compare="equal", depth_write=False),
-        backs=pipeline("scene_vertex", "scene", textures=False, cull="front"),
+        back_depth=depth_pipeline("front"),
+        backs=pipeline("scene_vertex", "scene", textures=False, cull="front", depth_compare="equal", depth_write=False),
         stand_ins=pipeline("scene_vertex", "stand_in", cull="back"),
         sky=pipeline("sky_vertex", "far_sky", buffers=(), depth_compare="greater-equal", depth_write=False),
     )
@@ -152,13 +159,19 @@ def draw_depth(
     visible: np.ndarray | None = None,
     extra: Callable[[wgpu.GPURenderPassEncoder], None] | None = None,
 ) -> None:
-    """Draw the depth of the diffuse meshes, in a pass that has no colours. The parameters are those of `draw_scene`."""
+    """Draw the depth of all that is diffuse, in a pass without colours. The parameters are those of `draw_scene`."""
     bind_scene(render_pass, buffers, projection)
     if extra is not None:
         extra(render_pass)
     render_pass.set_vertex_buffer(0, buffers.vertices)
     render_pass.set_index_buffer(buffers.indices, "uint32")
-    _draw_ranges(render_pass, pipelines.depth, buffers, runs(_present(buffers, visible) & ~buffers.specular_meshes))
+    present = _present(buffers, visible)
+    _draw_ranges(render_pass, pipelines.depth, buffers, runs(present & ~buffers.specular_meshes))
+    _draw_ranges(render_pass, pipelines.back_depth, buffers, _mirrors(buffers, present))
+
+
+def _mirrors(buffers: SceneBuffers, present: np.ndarray) -> list[tuple[int, int]]:
+    return [(index, index + 1) for index in buffers.mirrors if present[index]]
 
 
 def _present(buffers: SceneBuffers, visible: np.ndarray | None) -> np.ndarray:
@@ -199,9 +212,9 @@ def draw_scene(
     diffuse = present & ~buffers.specular_meshes
     _draw_ranges(render_pass, pipelines.meshes, buffers, runs(diffuse & buffers.textured))
     _draw_ranges(render_pass, pipelines.plain, buffers, runs(diffuse & ~buffers.textured))
-    mirrors = [index for index in buffers.mirrors if present[index]]
-    _draw_ranges(render_pass, pipelines.backs, buffers, [(i, i + 1) for i in mirrors])
-    _draw_ranges(render_pass, pipelines.stand_ins, buffers, [(i, i + 1) for i in mirrors if i not in replaced])
+    mirrors = _mirrors(buffers, present)
+    _draw_ranges(render_pass, pipelines.backs, buffers, mirrors)
+    _draw_ranges(render_pass, pipelines.stand_ins, buffers, [each for each in mirrors if each[0] not in replaced])
     if sky:
         render_pass.set_pipeline(pipelines.sky)
         render_pass.draw(3)

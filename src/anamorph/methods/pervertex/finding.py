@@ -14,9 +14,10 @@ import numpy as np
 import wgpu
 
 from anamorph.gpu.bindings import STORAGE, bind, depths, layout_of, numbers, texture
-from anamorph.gpu.buffers import grown_buffer, storage_buffer
+from anamorph.gpu.buffers import grown_buffer
 from anamorph.gpu.device import get_device, of_device
 from anamorph.gpu.drawing import bind_scene, make_pipeline
+from anamorph.gpu.own_ray import SPECTRUM, bind_exact, exact_layout
 from anamorph.gpu.shaders import shader_module
 from anamorph.gpu.targets import Target
 from anamorph.gpu.visibility import TEXEL_FORMAT
@@ -33,9 +34,6 @@ from anamorph.optics.ray_meshes import bodies_of, rays_of
 from anamorph.projection import UNIFORM_BYTES
 from anamorph.scene.camera import Camera
 from anamorph.scene.geometry import Geometry
-
-SPECTRUM = 1, 0, 2
-"""Of the buffer's lines: green, red and blue light by their numbers in the spectrum."""
 
 MOST_BOUNCES = 8
 """Of traced paths, as the reference has them."""
@@ -57,12 +55,6 @@ def finding_layout() -> wgpu.GPUBindGroupLayout:
     )  # fmt: skip
 
 
-@of_device
-def exact_layout() -> wgpu.GPUBindGroupLayout:
-    """The layout of group 3: exact surfaces, what bends rays at them, and the vertices' parameters."""
-    return layout_of(*3 * [STORAGE], stages=wgpu.ShaderStage.VERTEX | wgpu.ShaderStage.FRAGMENT)
-
-
 class SurfaceDrawing(FindingDrawing):
     """Finds what each pixel of a mirror or lens sees, in maps of surfaces."""
 
@@ -71,9 +63,7 @@ class SurfaceDrawing(FindingDrawing):
         disperses = any(side.disperses for body in self._bodies for side in body.sides)
         super().__init__(stage, 3 if disperses else 1, options.antialias)
         sides = exact_sides(stage.view.scene, stage.geometry, self._bodies)
-        self._exact = bind(
-            exact_layout(), [storage_buffer(each) for each in (sides.numbers, sides.records, sides.parameters)]
-        )
+        self._exact = bind_exact(sides)
         self._surroundings = surroundings_of(stage.geometry, self._bodies)
         self._searcher = Searcher(stage.geometry, stage.buffers.specular_meshes, sides.kinds, options)
         self._search = Search()

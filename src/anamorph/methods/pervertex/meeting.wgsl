@@ -1,11 +1,8 @@
 // Maps of surfaces as shaders read them, and where a ray meets what their texels show.
-// needs: gpu/scene.wgsl, gpu/vertices.wgsl, methods/pervertex/map_line.wgsl
+// needs: gpu/scene.wgsl, gpu/vertices.wgsl, gpu/triangle_meeting.wgsl, methods/pervertex/map_line.wgsl
 
-// Of a triangle's weights, so that no ray slips through between two of them.
-const WEIGHT_ROUNDING = 2e-6;
 // Texels by which rounding may move a plane.
 const PLANE_ROUNDING = 0.02;
-const FARTHEST = 3e38;
 // A bit of a triangle's number in a map: it is a specular surface, where the path goes on.
 const SPECULAR = 0x80000000u;
 
@@ -53,21 +50,15 @@ struct Hit {
     distance: f32,
 }
 
-// How far along a ray it meets a triangle, or FARTHEST.
-fn met_at(triangle: u32, ray: Ray) -> f32 {
+// How far along a ray it meets a triangle of the scene, or FARTHEST.
+fn met_triangle(triangle: u32, ray: Ray) -> f32 {
     let first = 3u * (triangle - 1u);
-    let a = position_of(vertices[indices[first]]) - ray.origin;
-    let b = position_of(vertices[indices[first + 1u]]) - ray.origin;
-    let c = position_of(vertices[indices[first + 2u]]) - ray.origin;
-    // The ray passes on one side of all three edges: volumes of the edges and the ray have one sign.
-    let volumes = vec3f(
-        dot(ray.direction, cross(c, b)), dot(ray.direction, cross(a, c)), dot(ray.direction, cross(b, a))
+    return met_at(
+        position_of(vertices[indices[first]]) - ray.origin,
+        position_of(vertices[indices[first + 1u]]) - ray.origin,
+        position_of(vertices[indices[first + 2u]]) - ray.origin,
+        ray.direction,
     );
-    let whole = volumes.x + volumes.y + volumes.z;
-    let weights = volumes / select(whole, 1.0, whole == 0.0);
-    let inside = whole != 0.0 && all(weights >= vec3f(-WEIGHT_ROUNDING));
-    let distance = dot(weights, vec3f(dot(a, ray.direction), dot(b, ray.direction), dot(c, ray.direction)));
-    return select(FARTHEST, distance, inside && distance > 0.0);
 }
 
 fn surface_at(view: i32, place: vec2f) -> vec4u {
@@ -128,7 +119,7 @@ fn meet_at_edge(
         }
         if shown.x != 0u && shown.x != tested {
             tested = shown.x;
-            let other = met_at(shown.x & ~SPECULAR, ray);
+            let other = met_triangle(shown.x & ~SPECULAR, ray);
             if other < nearest {
                 nearest = other;
                 met = shown;

@@ -143,7 +143,7 @@ fn find(ray: Ray, triangle: LookingTriangle) -> Found {
     var known = Hit(0u, FARTHEST);
     for (var number = 0u; number < triangle.unseen_count; number++) {
         let other = unseen[triangle.first_unseen + number];
-        let distance = met_at(other & ~SPECULAR, ray);
+        let distance = met_triangle(other & ~SPECULAR, ray);
         if distance < known.distance {
             known = Hit(other, distance);
         }

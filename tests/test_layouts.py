@@ -21,6 +21,7 @@ from anamorph.methods.tracing.packing import packed
 from anamorph.methods.tracing.paths import PathTracer
 from anamorph.methods.trilinear import ray_records
 from anamorph.methods.trilinear.straight import edges
+from anamorph.methods.virtual import tile_tree, triangle_records
 from anamorph.optics import exact_sides
 from anamorph.projection import UNIFORM_BYTES, camera_projection
 from anamorph.raymesh import RayStatus
@@ -49,6 +50,8 @@ RECORDS = [
     ("methods/threeray", "ScenePoint", splat_records.POINT, {}),
     ("methods/threeray", "Projected", splat_records.PROJECTED, {}),
     ("methods/threeray", "Owner", splat_records.OWNER, {}),
+    ("methods/virtual", "SceneTriangle", triangle_records.SCENE_TRIANGLE, {}),
+    ("methods/virtual", "TileRays", tile_tree.TILE_RAYS, {}),
     ("methods/trilinear", "RayTriangle", ray_records.RAY_TRIANGLE, {"padding": None}),
     ("methods/trilinear", "Lens", ray_records.LENS, {"padding": None}),
     ("methods/trilinear/straight", "StraightCorner", edges.STRAIGHT_CORNER, {"place": "x", "weights": "second"}),

@@ -377,7 +377,7 @@ def test_a_scene_with_glass_is_drawn_by_the_methods_that_can(tmp_path, monkeypat
     assert cli.main(["compare", "magnifier", "--size", "48x36", "--json", "lens.json"]) == 0
     assert capsys.readouterr().err == ""
     methods = list(json.loads((tmp_path / "lens.json").read_text())["methods"])
-    assert methods == ["auto", "raytrace", "pervertex", "trilinear", "threeray"]
+    assert methods == ["auto", "raytrace", "pervertex", "trilinear", "threeray", "virtual"]
 
 
 def test_an_image_with_gaps_says_so_and_how_to_fill_them(tmp_path, monkeypatch, capsys):

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from scenes import CAMERA, SIZE, drawn, open_view, scene_with, spherical_mirror
+from scenes import CAMERA, SIZE, drawn, open_view, plane_mirror, scene_with, spherical_mirror
 
 import anamorph
 from anamorph.base.errors import AnamorphError
@@ -63,6 +63,19 @@ def test_the_contract(sessions, name):
 @pytest.mark.parametrize("size", [(1, 1), (37, 53), (1, 40), (300, 2)])
 def test_any_size(name, size):
     check_contract(drawn(SCENE, name, size), size)
+
+
+@pytest.mark.parametrize(
+    "specification", [*METHODS, "pervertex:tolerance=0.5", "pervertex:map=image", "threeray:splat=1"]
+)
+def test_the_back_of_a_mirror_hides_a_mirror_behind_it(specification):
+    screen = plane_mirror("screen", (0.05, 0.3, 0.3), (0.0, 0.4, 0.0), (0.2, 0.0, 0.0))
+    scene = scene_with(spherical_mirror(count=4), screen)
+    reference, frame = drawn(scene, "raytrace"), drawn(scene, specification)
+    hidden = (reference.object_id == 2) & (reference.specular == 0)
+    assert hidden.sum() > 200
+    # One pixel lies on the screen's edge.
+    assert (frame.specular[hidden] > 0).sum() <= 1 and (frame.object_id[hidden] != 2).sum() <= 1
 
 
 @pytest.mark.parametrize("name", METHODS)

@@ -13,7 +13,7 @@ from importlib.metadata import EntryPoint, entry_points
 from anamorph.base.errors import AnamorphError
 from anamorph.methods.protocol import Method
 
-OWN = ("auto", "raytrace", "environment", "pervertex", "trilinear", "threeray")
+OWN = ("auto", "raytrace", "environment", "pervertex", "trilinear", "threeray", "virtual")
 """The methods of this package: each is the room of that name."""
 
 GROUP = "anamorph.methods"

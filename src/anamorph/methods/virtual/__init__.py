@@ -1,0 +1,16 @@
+"""Virtual objects: every triangle of the scene looks for where the eye sees it in mirrors and lenses.
+
+Source: Estalella, Martin, Drettakis, Tost, Devillers and Cazals, "Accurate interactive specular reflections on curved
+objects" (2005).
+
+| what | module |
+| --- | --- |
+| draw mirrors and lenses: each sample's own ray | `virtual`: `leaving.wgsl` |
+| bound the rays of each tile of samples, and of many | `tiles.wgsl`, `tile_tree` |
+| which tiles may see each triangle | `triangle_tree`, `listing` |
+| what each sample's ray meets of its tile's triangles | `tile_lists`: `met.wgsl` |
+| the scene's triangles on the device | `triangle_records` |
+"""
+
+from anamorph.methods.virtual.virtual import METHOD as METHOD
+from anamorph.methods.virtual.virtual import Options as Options

@@ -12,7 +12,7 @@ from anamorph.frame import Frame, Status
 from anamorph.gallery import make
 from anamorph.gallery.solids import box
 from anamorph.gallery.spheres import mirror_ball
-from anamorph.methods.virtual import tile_lists
+from anamorph.methods.virtual import meeting_rays
 from anamorph.scene.geometry import flatten
 from anamorph.scene.model import Diffuse, Scene, Sky
 
@@ -70,7 +70,7 @@ def test_lenses_send_each_color_its_own_way(name):
 
 
 def test_of_a_tile_that_may_see_too_much_each_ray_is_traced(monkeypatch):
-    monkeypatch.setattr(tile_lists, "MOST", 0)
+    monkeypatch.setattr(meeting_rays, "MOST", 0)
     scene = scene_with(spherical_mirror(count=4))
     reference, frame = drawn(scene, "raytrace"), drawn(scene, "virtual")
     check(reference, frame, found=0.0)

@@ -116,7 +116,7 @@ def test_lists_hold_what_is_met_and_full_ones_are_known(most):
     tiles = bounds(origins, directions)
     tiles["count"][2, 3] = tiles["count"][6] = 0
     tree, corners = tile_tree(tiles), scattered(random, 700)
-    lists = drain(listing(tree, triangle_tree(corners), most))
+    lists = drain(listing(tree, triangle_tree(corners, np.arange(len(corners))), most))
     met = met_by(origins, directions, corners).reshape(70, -1)
     assert met.sum() > 1000
     for tile in range(70):
@@ -125,7 +125,7 @@ def test_lists_hold_what_is_met_and_full_ones_are_known(most):
         assert lists.full[tile] == (len(listed) > most) and (held or not listed)
         assert not held or lists.full[tile] or set(np.flatnonzero(met[tile])) <= set(listed)
     # What is full does not hang on how many look at once.
-    again = drain(listing(tree, triangle_tree(corners), 100_000))
+    again = drain(listing(tree, triangle_tree(corners, np.arange(len(corners))), 100_000))
     assert (lists.full == (np.diff(again.begins) > most)).all()
 
 
@@ -135,7 +135,7 @@ def test_triangles_of_one_place_and_one_triangle_alone_are_listed():
     corners = triangle_on(random, origins[0, 0, 0], directions[0, 0, 0], "large")
     tree = tile_tree(bounds(origins, directions))
     for count in (1, 2, 5000):
-        lists = drain(listing(tree, triangle_tree(np.repeat(corners[None], count, axis=0)), 10**6))
+        lists = drain(listing(tree, triangle_tree(np.repeat(corners[None], count, axis=0), np.arange(count)), 10**6))
         assert of_tile(lists, 0) == list(range(count))
 
 
@@ -143,7 +143,9 @@ def test_triangles_that_move_are_found_where_they_are():
     random = np.random.default_rng(5)
     before, after = scattered(random, 300), scattered(random, 300)
     origins, directions = bundles(random, 4, 4)
-    lists = drain(listing(tile_tree(bounds(origins, directions)), triangle_tree(before).moved(after), 10**6))
+    lists = drain(
+        listing(tile_tree(bounds(origins, directions)), triangle_tree(before, np.arange(300)).moved(after), 10**6)
+    )
     met = met_by(origins, directions, after).reshape(16, -1)
     assert met.sum() > 50
     assert all(set(np.flatnonzero(met[tile])) <= set(of_tile(lists, tile)) for tile in range(16))

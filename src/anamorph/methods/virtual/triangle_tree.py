@@ -27,12 +27,13 @@ class TriangleTree:
 
     Parameters
     ----------
-    order : (F,) int64
-        The triangles, in the order of the leaves.
+    order : (K,) int64
+        The triangles' numbers, in the order of the leaves.
     first, count, size : (M,) int64
         A leaf has the triangles order[first] to order[first + count], an inner node's count is 0; and how many nodes a
         node and all below it are.
     corners : (F, 3, 3) float64
+        Of all triangles.
     balls : (M, 4) float64
         Middle and radius, metres.
     """
@@ -56,7 +57,7 @@ class TriangleTree:
 
     def parts(self, most: int) -> np.ndarray:
         """Nodes, (K,) int64, that have all triangles together and no more than about `most` each."""
-        chosen, waiting = [], [0]
+        chosen, waiting = [], [0] if len(self.size) else []
         while waiting:
             node = waiting.pop()
             left = node + 1
@@ -64,13 +65,15 @@ class TriangleTree:
                 chosen.append(node)
             else:
                 waiting += [left + int(self.size[left]), left]
-        return np.array(chosen)
+        return np.array(chosen, np.int64)
 
 
-def triangle_tree(corners: np.ndarray) -> TriangleTree:
-    """The tree over triangles (F, 3, 3), at least one."""
-    order = np.arange(len(corners))
-    first, count = parted(corners.min(axis=1), corners.max(axis=1), 1, order)
+def triangle_tree(corners: np.ndarray, chosen: np.ndarray) -> TriangleTree:
+    """The tree over those of the triangles (F, 3, 3) that are `chosen`, by their numbers (K,)."""
+    order = np.array(chosen, np.int64)
+    first, count = (
+        parted(corners.min(axis=1), corners.max(axis=1), 1, order) if len(order) else np.zeros((2, 0), np.int64)
+    )
     size = sizes_of(count)
     return TriangleTree(order, first, count, size, corners, _balls(corners[order], first, count, size))
 

@@ -97,17 +97,43 @@ def test_four_samples_a_pixel_are_those_of_traced_rays():
     assert (np.abs(traced - found).max(axis=-1) > 0.01).mean() < 1e-3
 
 
-def test_a_scene_that_deforms_is_seen_where_it_is():
+@pytest.mark.parametrize("moves", [(2,), (3, 4), (2, 3, 4, 5, 6, 7)])
+def test_a_scene_that_deforms_is_seen_where_it_is(moves):
     scene = scene_with(spherical_mirror(count=4))
     geometry = flatten(scene)
-    offset = np.float32([0.2, 0.1, 0.15])
-    positions = geometry.positions + np.where(geometry.vertex_object[:, None] > 1, offset, np.float32(0.0))
     session = open_view(scene, "virtual")
-    session.draw(scene.camera)
-    session.deform(positions, geometry.normals)
-    session.draw(scene.camera)
-    moved = [mesh if mesh.specular else replace(mesh, positions=mesh.positions + offset) for mesh in scene.meshes]
-    check(drawn(replace(scene, meshes=tuple(moved)), "raytrace"), session.frame(seen=True))
+    others = replace(CAMERA, position=(0.3, 0.6, 0.95))
+    # First some objects move, then one of these only, and the eye between.
+    for moving, offset, camera in [
+        (moves, (0.2, 0.1, 0.15), CAMERA),
+        (moves[:1], (0.3, -0.1, 0.1), CAMERA),
+        (moves[:1], (0.3, 0.2, 0.1), others),
+        ((7,), (0.0, 0.1, 0.1), others),
+    ]:
+        session.draw(camera)
+        own = np.isin(geometry.vertex_object, moving)[:, None]
+        session.deform(geometry.positions + np.where(own, np.float32(offset), np.float32(0.0)), geometry.normals)
+        session.draw(camera)
+        meshes = [
+            replace(mesh, positions=mesh.positions + np.float32(offset)) if number in moving else mesh
+            for number, mesh in enumerate(scene.meshes, start=1)
+        ]
+        check(drawn(replace(scene, meshes=tuple(meshes), camera=camera), "raytrace"), session.frame(seen=True))
+
+
+def test_of_a_scene_in_which_one_object_moves_only_that_is_asked_for():
+    scene = scene_with(spherical_mirror(count=4))
+    geometry = flatten(scene)
+    session = open_view(scene, "virtual")
+    session.draw(CAMERA)
+    whole = session.frame(seen=True).figures["asked"]
+    for height in (0.1, 0.2):
+        own = (geometry.vertex_object == 3)[:, None]
+        session.deform(
+            geometry.positions + np.where(own, np.float32([0, height, 0]), np.float32(0.0)), geometry.normals
+        )
+        session.draw(CAMERA)
+        assert 0 < session.frame(seen=True).figures["asked"] < 0.2 * whole
 
 
 def test_the_same_view_gives_the_same_frame():

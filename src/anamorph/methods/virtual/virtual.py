@@ -92,7 +92,8 @@ class VirtualDrawing(FindingDrawing):
         """Have the next frame look for the triangles that have moved."""
         self._caster.moved(geometry.positions)
         self._doubt.moved(geometry)
-        self._kept = self._kept and not self._moving.moved(geometry)
+        others = self._moving.moved(geometry)
+        self._kept = self._kept and not others
 
     def prepare(self, encoder: wgpu.GPUCommandEncoder, camera: Camera, shift: tuple[float, float]) -> None:
         """Set the projection."""

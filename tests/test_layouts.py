@@ -21,7 +21,14 @@ from anamorph.methods.tracing.packing import packed
 from anamorph.methods.tracing.paths import PathTracer
 from anamorph.methods.trilinear import ray_records
 from anamorph.methods.trilinear.straight import edges
-from anamorph.methods.virtual import tile_tree, triangle_records
+from anamorph.methods.virtual import (
+    cube_search,
+    device_search,
+    meeting_rays,
+    reflector_maps,
+    tile_tree,
+    triangle_records,
+)
 from anamorph.optics import exact_sides
 from anamorph.projection import UNIFORM_BYTES, camera_projection
 from anamorph.raymesh import RayStatus
@@ -52,6 +59,9 @@ RECORDS = [
     ("methods/threeray", "Owner", splat_records.OWNER, {}),
     ("methods/virtual", "SceneTriangle", triangle_records.SCENE_TRIANGLE, {}),
     ("methods/virtual", "TileRays", tile_tree.TILE_RAYS, {}),
+    ("methods/virtual", "Search", device_search.SEARCH, {"padding": "padding_0"}),
+    ("methods/virtual", "MapTexel", device_search.MAP_TEXEL, {"padding_0": None, "padding_1": None}),
+    ("methods/virtual", "Reflected", cube_search.REFLECTED, {}),
     ("methods/trilinear", "RayTriangle", ray_records.RAY_TRIANGLE, {"padding": None}),
     ("methods/trilinear", "Lens", ray_records.LENS, {"padding": None}),
     ("methods/trilinear/straight", "StraightCorner", edges.STRAIGHT_CORNER, {"place": "x", "weights": "second"}),
@@ -194,6 +204,11 @@ def test_object_and_status_share_a_number_as_the_session_takes_it_apart():
         ("methods/pervertex", "MEETS_ITSELF", looking.MEETS_ITSELF),
         ("methods/pervertex", "WITHOUT_MAP", looking.WITHOUT_MAP),
         ("methods/pervertex", "LEVELS", surface_maps.LEVELS), ("methods/tracing", "STATUS_DOUBTFUL", Status.DOUBTFUL),
+        ("methods/virtual", "TRACED", meeting_rays.TRACED), ("methods/virtual", "BORDER", reflector_maps.BORDER),
+        *(
+            ("methods/virtual", name, getattr(cube_search, name))
+            for name in ("DIFFERENT", "ALIKE", "LARGEST_STEP", "LEAST_STEP", "FIRST_STEP")
+        ),
         ("methods/trilinear", "SPECULAR", ray_records.SPECULAR), ("raytriangle", "OUTERMOST", solve.OUTERMOST),
     ],
 )  # fmt: skip

@@ -83,22 +83,10 @@ class LeavingRays:
         self._bounding = bind(_bounding_layout(), [*self.views[:2], self.extent, self._tiles])
         self.tree: TileTree | None = None
 
-    def leaving(
-        self,
-        encoder: wgpu.GPUCommandEncoder,
-        recorder: Recorder,
-        projection: ProjectionUniform,
-        rectangle: Rectangle,
-        meshes: dict[int, dict[str, float]],
-    ) -> Generator[None, None, wgpu.GPUCommandEncoder]:
-        """Find the rays in a rectangle of samples, and their tree; in steps, with the encoder to go on with.
-
-        Parameters
-        ----------
-        encoder, recorder, projection, rectangle
-        meshes : dict of dict
-            The constants of leaving_rays.wgsl for each mesh whose rays leave on their own way.
-        """
+    def leave(
+        self, encoder: wgpu.GPUCommandEncoder, projection: ProjectionUniform, meshes: dict[int, dict[str, float]]
+    ) -> None:
+        """Record the rays of meshes, by the constants of leaving_rays.wgsl for each that sends them its own way."""
         render_pass = begin_pass(encoder, self._target)
         bind_scene(render_pass, self._scene, projection)
         render_pass.set_bind_group(2, self._body)
@@ -108,6 +96,11 @@ class LeavingRays:
             first, last = int(self._scene.first_face[mesh]), int(self._scene.first_face[mesh + 1])
             render_pass.draw(3 * (last - first), 1, 3 * first)
         render_pass.end()
+
+    def bounding(
+        self, encoder: wgpu.GPUCommandEncoder, recorder: Recorder, rectangle: Rectangle
+    ) -> Generator[None, None, wgpu.GPUCommandEncoder]:
+        """Bound the rays in a rectangle of samples, tile by tile; in steps, with the encoder to go on with."""
         x0, y0, x1, y1 = rectangle
         columns, rows = -(-(x1 - x0) // SIDE), -(-(y1 - y0) // SIDE)
         get_device().queue.write_buffer(self.extent, 0, np.array([x0, y0, columns, rows], np.uint32))

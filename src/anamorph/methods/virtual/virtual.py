@@ -10,8 +10,10 @@ from collections.abc import Generator
 from dataclasses import dataclass, replace
 from functools import partial
 
+import numpy as np
 import wgpu
 
+from anamorph.base.errors import AnamorphError
 from anamorph.frame import View
 from anamorph.gpu.own_ray import bind_exact
 from anamorph.gpu.targets import Target
@@ -25,6 +27,7 @@ from anamorph.methods.tracing.paths import specular_rectangle
 from anamorph.methods.virtual.leaving_rays import LeavingRays
 from anamorph.methods.virtual.meeting_rays import MeetingRays
 from anamorph.methods.virtual.moving_scene import MovingScene
+from anamorph.methods.virtual.virtual_meshes import VirtualMeshes
 from anamorph.optics.exact_sides import exact_sides
 from anamorph.optics.ray_meshes import bodies_of
 from anamorph.rays.caster import Caster
@@ -43,10 +46,21 @@ class Options:
         it is traced.
     antialias : int
         Samples a pixel: 1 or 4.
+    search : str
+        "tiles": triangles look for the tiles of samples whose own rays may meet them. "cubemap": vertices look for
+        their one reflection point on each mirror, which is convex or concave and closed, as the paper has it; lenses
+        are traced.
+    iterations : int
+        Steps of the search on cube maps.
+    face : int
+        Texels along each side of the cube maps' faces.
     """
 
     bounces: int = option(8, low=1, high=255)
     antialias: int = option(1, choices=(1, 4))
+    search: str = option("tiles", choices=("tiles", "cubemap"))
+    iterations: int = option(9, low=0, high=1000)
+    face: int = option(128, low=4, high=1024)
 
 
 class VirtualDrawing(FindingDrawing):
@@ -77,6 +91,9 @@ class VirtualDrawing(FindingDrawing):
         for line in range(len(self.visibility.textures)):
             leaving = LeavingRays(stage.buffers, exact, size, line)
             self._lines.append((leaving, MeetingRays(stage, leaving, *self._moving.buffers, size)))
+        self._iterations, self._objects = options.iterations, None
+        if options.search == "cubemap":
+            self._objects = VirtualMeshes(stage, bodies, self._lines[0][0], size, options.face)
         self._caster = Caster(geometry)
         self._doubt = DoubtTracer(stage, self.visibility, self._caster, options.bounces)
         # What was looked at when rays left, and when they met what stands still.
@@ -92,6 +109,8 @@ class VirtualDrawing(FindingDrawing):
         """Have the next frame look for the triangles that have moved."""
         self._caster.moved(geometry.positions)
         self._doubt.moved(geometry)
+        if self._objects is not None:
+            self._objects.moved(geometry)
         others = self._moving.moved(geometry)
         self._kept = self._kept and not others
 
@@ -107,7 +126,19 @@ class VirtualDrawing(FindingDrawing):
         """Find what each sample sees, in steps; what cannot be found so is traced."""
         if self.visibility.rectangle is None:
             return None
-        return self._finding(encoder, target, camera, shift)
+        find = self._finding if self._objects is None else self._drawing
+        return find(encoder, target, camera, shift)
+
+    def _drawing(
+        self, encoder: wgpu.GPUCommandEncoder, target: Target, camera: Camera, shift: tuple[float, float]
+    ) -> Generator[None, None, wgpu.GPUCommandEncoder]:
+        """Draw virtual objects of the vertices that the paper's search finds."""
+        assert self._objects is not None
+        self._lines[0][0].leave(encoder, self.projection, self._meshes[0])
+        depth = self.depth_of(encoder, target)
+        eye = np.asarray(camera.position, float)
+        self._objects.draw(encoder, self.projection, eye, self._iterations, self.visibility, depth)
+        return (yield from self._doubt.tracing(encoder, depth, self.projection, camera, shift))
 
     def _finding(
         self, encoder: wgpu.GPUCommandEncoder, target: Target, camera: Camera, shift: tuple[float, float]
@@ -122,7 +153,8 @@ class VirtualDrawing(FindingDrawing):
         self._left, self._kept = None, False
         for (leaving, meeting), meshes in zip(self._lines, self._meshes, strict=False):
             if leaves:
-                encoder = yield from leaving.leaving(encoder, recorder, self.projection, (x0, y0, x1, y1), meshes)
+                leaving.leave(encoder, self.projection, meshes)
+                encoder = yield from leaving.bounding(encoder, recorder, (x0, y0, x1, y1))
             if keeps:
                 yield from meeting.keeping(encoder, self.projection, self._moving.still, (x0, y0, x1, y1))
         self._left, self._kept = (camera, shift), moves
@@ -141,6 +173,9 @@ class VirtualDrawing(FindingDrawing):
 def open_session(view: View, options: Options) -> Session:
     """Start drawing `view` by virtual objects."""
     check_options("virtual", options)
+    for name in ("iterations", "face"):
+        if options.search != "cubemap" and getattr(options, name) != getattr(Options, name):
+            raise AnamorphError(f"virtual: {name} is for the paper's search; leave it out, or give search=cubemap")
     stage = Stage(view)
     middles = partial(open_session, view, replace(options, antialias=1))
     return Session(stage, VirtualDrawing(stage, options), options.antialias, middles)

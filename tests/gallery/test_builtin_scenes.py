@@ -21,11 +21,11 @@ from anamorph.surfaces.sphere import Sphere
 
 NAMES = (
     *("car-mirror", "spheres", "room", "flat-mirror", "spectacles-minus", "spectacles-plus", "magnifier"),
-    *("curvature-series", "saddle", "car-windows", "facing-mirrors", "torus", "deforming"),
+    *("curvature-series", "saddle", "car-windows", "facing-mirrors", "torus", "kitchen", "deforming"),
     *("cube-in-sphere", "cube-in-wavy-mirror"),
 )
 LENSES = ("spectacles-minus", "spectacles-plus", "magnifier")
-CONCAVE = (*LENSES, "curvature-series")
+CONCAVE = (*LENSES, "curvature-series", "kitchen")
 """Scenes in which some surfaces are the inside of a sphere."""
 WITHOUT_SURFACES = ("cube-in-wavy-mirror",)
 """Scenes whose mirrors have normals that no surface through their vertices has."""
@@ -269,6 +269,30 @@ def test_flat_mirrors_are_two_triangles_that_face_the_eye(name, part):
 def test_mirrors_fill_a_good_part_of_their_images(name, part, least):
     number = [one.name for one in scene(name).meshes].index(part) + 1
     assert np.mean(object_image(name) == number) > least
+
+
+@pytest.mark.parametrize("name", ["kettle", "toaster", "saucepan"])
+def test_the_kitchens_bodies_are_closed_and_convex(name):
+    body = mesh("kitchen", name)
+    _, index = np.unique(body.positions + 0.0, axis=0, return_inverse=True)
+    faces = index.reshape(-1)[body.faces]
+    edges = np.sort(np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]]), axis=1)
+    _, uses = np.unique(edges, axis=0, return_counts=True)
+    assert (uses == 2).all()
+    surface, parameters = exact(body)
+    inner = parameters[(parameters[:, 1] > 0.0) & (parameters[:, 1] < 1.0)]
+    assert (surface.curvatures(inner) > -1e-6).all()
+    heights = body.positions @ body.normals[::7].T - np.einsum("vk,vk->v", body.positions, body.normals)[::7]
+    assert heights.max() < 1e-6
+
+
+def test_the_kitchen_has_some_ten_thousands_of_vertices_and_a_bowl_to_look_into():
+    assert 20_000 < sum(len(part.positions) for part in scene("kitchen").meshes if not part.specular) < 90_000
+    bowl, eye = mesh("kitchen", "mixing-bowl"), np.asarray(scene("kitchen").camera.position)
+    assert (np.einsum("vk,vk->v", bowl.normals, exact(bowl)[0].center - bowl.positions) > 0.0).all()
+    assert np.linalg.norm(eye - exact(bowl)[0].center) > exact(bowl)[0].radius
+    kettle = [part.name for part in scene("kitchen").meshes].index("kettle") + 1
+    assert np.mean(object_image("kitchen") == kettle) > 0.08
 
 
 def volume(shape):

@@ -16,6 +16,7 @@ from anamorph.gallery.curvature_series import curvature_series
 from anamorph.gallery.deforming import deforming
 from anamorph.gallery.facing_mirrors import facing_mirrors
 from anamorph.gallery.flat_mirror import flat_mirror
+from anamorph.gallery.kitchen import kitchen
 from anamorph.gallery.lenses import magnifier, spectacles_minus, spectacles_plus
 from anamorph.gallery.room import room
 from anamorph.gallery.saddle import saddle
@@ -52,6 +53,7 @@ SCENES: dict[str, BuiltIn] = {
             facing_mirrors,
         ),
         BuiltIn("torus", "a closed mirror ring on its exact surface, over a chequered floor", torus),
+        BuiltIn("kitchen", "a polished kettle among pans, a toaster and a bowl on a laid table", kitchen),
         BuiltIn("deforming", "a convex mirror over a rolling sea with flags: 300,000 moving triangles", deforming),
         BuiltIn("cube-in-sphere", "a numbered cube over a board in a small part of a mirror ball", cube_in_sphere),
         BuiltIn("cube-in-wavy-mirror", "the same in a flat mirror with random normals", cube_in_wavy_mirror),

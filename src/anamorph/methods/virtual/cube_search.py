@@ -5,7 +5,8 @@ At the place P with normal N, B is the unit bisector of the directions to the ey
 long as P is far from the middle, so that on a ball its end is seen from the middle along B.
 
 A point that the reflector hides has no such place. Its own mirror image in the tangent plane at P takes its place in
-each step, so that the search ends where the ray from the eye to the hidden point enters.
+each step, so that the search ends where the ray from the eye to the hidden point enters; and that image is its virtual
+point. So a triangle that is partly hidden goes on beyond the reflector's horizon, where nothing of it is seen.
 
 Source: Estalella et al. 2005, sections 4.2, 4.3 and 6.1. The paper does not say how the step is adapted: here it is
 halved where the two bisector directions of a step differ by more than `DIFFERENT` of their length, and lengthened by
@@ -41,7 +42,8 @@ def search(maps: ReflectorMaps, eye: np.ndarray, points: np.ndarray, iterations:
     -------
     found : (N, 12) float64
         The place on the reflector, the normal there, the virtual point behind it, the length of the path, the error,
-        and 1 where the reflector hides the point. Metres.
+        and 1 where the reflector hides the point, 2 where the point is inside of it. Metres. The virtual point of a
+        hidden one is its mirror image in the tangent plane, so that virtual objects go on beyond the horizon.
     """
     found = np.empty((len(points), 12))
     center, side = np.asarray(maps.center, float), 1.0 if maps.outside else -1.0
@@ -80,10 +82,13 @@ def _search_all(
         away = math.sqrt(dot(from_eye, from_eye))
         offset = along(point, -1.0, p)
         far = math.sqrt(dot(offset, offset))
-        behind = along(p, far / max(away, 1e-300), from_eye)
+        behind = seen if hidden else along(p, far / max(away, 1e-300), from_eye)
         for k in range(3):
             found[i, k], found[i, 3 + k], found[i, 6 + k] = p[k], n[k], behind[k]
         found[i, 9], found[i, 10], found[i, 11] = away + far, 0.5 * (1.0 - dot(b, n)), 1.0 if hidden else 0.0
+        own = lookup(positions, point)
+        if side > 0.0 and dot(point, point) < dot(own, own):
+            found[i, 11] = 2.0
 
 
 @compiled

@@ -35,7 +35,7 @@ struct Reflected {
     error: f32,
     // The virtual point.
     behind: vec3f,
-    // Of the path from the eye, metres; negative where the reflector hides the point.
+    // Of the path from the eye, metres; negative where the reflector hides the point, 0 of a point inside of it.
     length: f32,
 }
 
@@ -110,6 +110,11 @@ fn in_plane(point: vec3f) -> Reflected {
     return Reflected(place, 0.0, search.center + image, select(-path, path, height > 0.0));
 }
 
+// Whether a point is inside of a convex reflector.
+fn is_within(point: vec3f) -> bool {
+    return search.side > 0.0 && length(point) < length(lookup(point).position);
+}
+
 @compute @workgroup_size(64)
 fn search_points(@builtin(global_invocation_id) number: vec3u) {
     if number.x >= search.count {
@@ -140,10 +145,11 @@ fn search_points(@builtin(global_invocation_id) number: vec3u) {
     let seen = select(point, mirrored(point, p, found.normal), hidden);
     let away = length(p - search.eye);
     let far = length(point - p);
+    let behind = select(p + far / max(away, LEAST) * (p - search.eye), seen, hidden);
     reflected[number.x] = Reflected(
         search.center + p,
         0.5 * (1.0 - dot(bisector(p, seen), found.normal)),
-        search.center + p + far / max(away, LEAST) * (p - search.eye),
-        select(1.0, -1.0, hidden) * (away + far),
+        search.center + behind,
+        select(select(1.0, -1.0, hidden) * (away + far), 0.0, is_within(point)),
     );
 }

@@ -6,7 +6,7 @@ struct Reflected {
     place: vec3f,
     error: f32,
     behind: vec3f,
-    // Negative where the reflector hides the point.
+    // Negative where the reflector hides the point, 0 inside of it.
     length: f32,
 }
 
@@ -37,10 +37,17 @@ fn virtual_vertex(@builtin(vertex_index) index: u32) -> VirtualFragment {
     let c = indices[first + 2u];
     let own = indices[index];
     let vertex = vertices[own];
-    // What the reflector hides as a whole, or is its own, has no image.
-    let hidden = max(reflected[a].length, max(reflected[b].length, reflected[c].length)) < 0.0;
+    // What the reflector hides as a whole, what reaches into it or is its own, and what turns its back has no image.
+    let lengths = vec3f(reflected[a].length, reflected[b].length, reflected[c].length);
+    let hidden = all(lengths < vec3f(0.0)) || any(lengths == vec3f(0.0));
+    let corner = position_of(vertices[a]);
+    let normal = cross(position_of(vertices[b]) - corner, position_of(vertices[c]) - corner);
+    let turned = max(
+        dot(normal, reflected[a].place - corner),
+        max(dot(normal, reflected[b].place - corner), dot(normal, reflected[c].place - corner))
+    ) < 0.0;
     var clip = projection.clip * vec4f(reflected[own].behind, 1.0);
-    if hidden || bodies[vertex.object] == BODY {
+    if hidden || turned || bodies[vertex.object] == BODY {
         clip = vec4f(0.0, 0.0, 2.0, 1.0);
     }
     return VirtualFragment(clip, position_of(vertex), index / 3u + 1u, vertex.object);

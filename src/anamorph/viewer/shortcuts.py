@@ -186,6 +186,7 @@ SHORTCUTS: tuple[Shortcut, ...] = (
     Shortcut(("H",), "Drawings", "hit balls", partial(_toggle_drawing, drawing=Drawing.HITS)),
     Shortcut(("V",), "Drawings", "virtual viewpoint", partial(_toggle_drawing, drawing=Drawing.VIEWPOINT)),
     Shortcut(("B",), "Drawings", "view volume", partial(_toggle_drawing, drawing=Drawing.VOLUME)),
+    Shortcut(("I",), "Drawings", "reflection points", partial(_toggle_drawing, drawing=Drawing.REFLECTIONS)),
 )
 """Every shortcut, in the order of the help overlay."""
 

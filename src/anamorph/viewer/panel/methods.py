@@ -26,6 +26,7 @@ DRAWINGS = (
     (Drawing.HITS, "Hit balls", "A ball where the ray of each vertex meets the scene"),
     (Drawing.VIEWPOINT, "Virtual viewpoint", "The point that the bent rays come nearest to, and these rays"),
     (Drawing.VOLUME, "View volume", "What the map taken from the virtual viewpoint holds"),
+    (Drawing.REFLECTIONS, "Reflection points", "Where mirrors show the point that is clicked, all of them"),
 )
 
 WIDE = 20.0

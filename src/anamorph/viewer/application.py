@@ -100,7 +100,6 @@ class Viewer:
         self._settling = SETTLING
         self._pointer = Pointer()
         self._closed = False
-        self._follower = PointFollower()
         self._begin(start, start.state)
         canvas.request_draw(self._draw)
 
@@ -145,7 +144,6 @@ class Viewer:
             for handler, types in self._handlers.items():
                 self._canvas.remove_event_handler(handler, *types)
             self._let_go()
-            self._follower.close()
             self._device_canvas.close()
 
     def _let_go(self) -> None:
@@ -153,7 +151,7 @@ class Viewer:
         self._stop_saving()
         self._showing, self._space = Showing(), PreparedScene(self._scene)
         self._marked: object = None
-        self._inspector = Inspector()
+        self._inspector, self._follower = Inspector(), PointFollower()
         self._changed_at, self._refined_at = 0.0, np.inf
 
     def _take(self, event: dict[str, Any]) -> None:

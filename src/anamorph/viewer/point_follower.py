@@ -66,7 +66,3 @@ class PointFollower:
             self.reflections = self._worker.get((scene, eye, size, state.point), work, PATIENCE)
             self.searching = self._worker.busy
         return self.reflections
-
-    def close(self) -> None:
-        """Search no more."""
-        self._worker.close()

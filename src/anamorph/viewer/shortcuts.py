@@ -178,7 +178,11 @@ SHORTCUTS: tuple[Shortcut, ...] = (
     *(
         Shortcut((str(key),), "Halves", f"{aspect}, {half} half", partial(_set_aspect, half=half, aspect=aspect))
         for key, (half, aspect) in enumerate(
-            ((half, aspect) for half in ("first", "second") for aspect in Aspect), start=1
+            (
+                *((half, aspect) for half in ("first", "second") for aspect in Aspect if aspect is not Aspect.COUNTS),
+                *((half, Aspect.COUNTS) for half in ("first", "second")),
+            ),
+            start=1,
         )
     ),
     Shortcut(("U",), "Halves", "errors in mrad or in pixels", _other_unit),

@@ -52,7 +52,3 @@ class Worker(Generic[Result]):
             return self._future.result()
         failed, self._future = self._future, None
         return failed.result()
-
-    def close(self) -> None:
-        """Begin nothing more; what is under way ends by itself."""
-        self._threads.shutdown(wait=False, cancel_futures=True)

@@ -17,7 +17,7 @@ from anamorph.viewer.panel.sheet import Sheet, button, caption, checkbox, choice
 from anamorph.viewer.panel.wording import size_text
 from anamorph.viewer.state import REFERENCE, Aspect, Drawing, Half, State
 
-ASPECTS = ((Aspect.IMAGE, "Image"), (Aspect.ERROR, "Error"), (Aspect.STATUS, "Status"))
+ASPECTS = ((Aspect.IMAGE, "Image"), (Aspect.ERROR, "Error"), (Aspect.STATUS, "Status"), (Aspect.COUNTS, "Counts"))
 UNITS = (("mrad", "mrad"), ("px", "pixels"))
 SAMPLES = (("1", "1"), ("2", size_text((2, 2))), ("4", size_text((4, 4))), ("8", size_text((8, 8))))
 RESOLUTIONS = (("0.0", "auto"), ("1.0", "100 %"), ("0.75", "75 %"), ("0.5", "50 %"), ("0.25", "25 %"))

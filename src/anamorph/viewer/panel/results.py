@@ -51,12 +51,12 @@ def inspection_section(sheet: Sheet, state: State, facts: Facts) -> State:
         return state
     if fresh:
         imgui.set_scroll_here_y(0.0)
+    if state.picked and Drawing.REFLECTIONS in state.drawings:
+        reflections_table(facts)
     if facts.inspection is None:
         caption("Measuring …" if state.picked else "Click into the image to look into a pixel.")
     else:
         _inspection(facts.inspection)
-    if state.picked and Drawing.REFLECTIONS in state.drawings:
-        reflections_table(facts)
     if state.picked and button(sheet, "inspection/clear", "Clear"):
         state = with_picked(state, None)
     return state

@@ -27,6 +27,7 @@ from anamorph.viewer.inspector import Inspector
 from anamorph.viewer.job import Job
 from anamorph.viewer.layout import image_area, in_pixels, inside
 from anamorph.viewer.marks import NO_MARKS
+from anamorph.viewer.numbers import numbered, numbers_of
 from anamorph.viewer.panel.panel import Drawn, draw_panel
 from anamorph.viewer.point_follower import PointFollower, with_point
 from anamorph.viewer.pointer import Pointer
@@ -364,8 +365,10 @@ class Viewer:
 
     def _image(self) -> np.ndarray:
         """The image as it is shown, without the panel, (H, W, 3) uint8 sRGB."""
-        size = self._pixels[2:]
-        return self._device_canvas.image(size, *self._shown(size))
+        size, ratio = self._pixels[2:], self._canvas.get_pixel_ratio()
+        left, top, right, bottom = self._area
+        numbers = numbers_of(self._follower.reflections, shown_camera(self.state), (right - left, bottom - top))
+        return numbered(self._device_canvas.image(size, *self._shown(size)), numbers, ratio)
 
     def _facts(self) -> Facts:
         showing, width_height = self._showing, self._pixels[2:]

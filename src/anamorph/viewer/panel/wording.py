@@ -9,7 +9,6 @@ from anamorph.viewer.facts import Vector
 from anamorph.viewer.state import REFERENCE
 
 NOT_MEASURED = "\N{EN DASH}"
-MINUS = "\N{MINUS SIGN}"
 
 LEAST_FIGURE = 1e-4
 """What is told of a figure below it is that it is: methods that draw the same differ by rounding."""
@@ -25,7 +24,7 @@ def number_text(value: float, places: int, unit: str = "") -> str:
     digits = f"{value:.{places}f}"
     # What rounds to nought has no sign.
     digits = digits.removeprefix("-") if float(digits) == 0.0 else digits
-    return f"{digits}{unit if unit in ('', '°') else f' {unit}'}".replace("-", MINUS)
+    return f"{digits}{unit if unit in ('', '°') else f' {unit}'}".replace("-", "\N{MINUS SIGN}")
 
 
 def figure(value: float | None) -> str:

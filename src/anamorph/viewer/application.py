@@ -281,7 +281,7 @@ class Viewer:
             return
         inspection = self._inspector.update(self._space, self.state, size, self._showing)
         self.state = with_point(self.state, self._inspector)
-        reflections = self._follower.update(self._scene, self.state, size)
+        reflections = self._follower.update(self._scene, self.state, size, self._showing.at_rest)
         if self._follower.searching:
             self._draw_after(ANSWER_DELAY)
         methods = tuple(half.method for half in self.state.halves)

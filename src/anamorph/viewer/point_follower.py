@@ -4,7 +4,12 @@ from __future__ import annotations
 
 from dataclasses import replace
 from functools import partial
+from time import perf_counter
 
+import numpy as np
+
+from anamorph.base.vectors import Vector
+from anamorph.scene.camera import Camera
 from anamorph.scene.model import Scene
 from anamorph.viewer.facts import Reflections
 from anamorph.viewer.inspector import Inspector
@@ -13,7 +18,8 @@ from anamorph.viewer.state import Drawing, State, looking_eye
 from anamorph.viewer.worker import Worker
 
 PATIENCE = 0.03
-"""Seconds of a frame that a search may take: with the quick ones, the marks move as the image does."""
+"""Seconds of a frame that a search may take. Scenes in which it takes longer are searched when nothing moves: it would
+take these seconds from images that move, and be late for them."""
 
 
 def with_point(state: State, inspector: Inspector) -> State:
@@ -42,8 +48,9 @@ class PointFollower:
         self._worker = Worker[Reflections]()
         self.reflections: Reflections | None = None
         self.searching = False
+        self._seconds = np.inf
 
-    def update(self, scene: Scene, state: State, size: tuple[int, int]) -> Reflections | None:
+    def update(self, scene: Scene, state: State, size: tuple[int, int], at_rest: bool) -> Reflections | None:
         """Search again where something has changed, and give what is known.
 
         Parameters
@@ -53,6 +60,8 @@ class PointFollower:
         state : State
         size : (width, height)
             Of the image, pixels.
+        at_rest : bool
+            Whether nothing moves.
 
         Raises
         ------
@@ -61,8 +70,15 @@ class PointFollower:
         """
         self.reflections, self.searching = None, False
         if Drawing.REFLECTIONS in state.drawings and state.point is not None:
-            eye = looking_eye(state)
-            work = partial(reflections_of, scene, eye, size, state.point)
-            self.reflections = self._worker.get((scene, eye, size, state.point), work, PATIENCE)
-            self.searching = self._worker.busy
+            self.searching = True
+            if at_rest or self._seconds <= PATIENCE:
+                key = scene, looking_eye(state), size, state.point
+                self.reflections = self._worker.get(key, partial(self._search, *key), PATIENCE)
+                self.searching = self._worker.busy
         return self.reflections
+
+    def _search(self, scene: Scene, eye: Camera, size: tuple[int, int], point: Vector) -> Reflections:
+        began = perf_counter()
+        found = reflections_of(scene, eye, size, point)
+        self._seconds = perf_counter() - began
+        return found

@@ -171,6 +171,11 @@ SHORTCUTS: tuple[Shortcut, ...] = (
     Shortcut(("E",), "View", "left, middle or right eye", _next_eye),
     Shortcut(("O",), "View", "look from outside", _toggle_observer),
     Shortcut(("K",), "View", "remember the view", lambda state, home: remember(state)),
+    Shortcut(("W",), "Drawings", "wireframe", partial(_toggle_drawing, drawing=Drawing.WIREFRAME)),
+    Shortcut(("H",), "Drawings", "hit balls", partial(_toggle_drawing, drawing=Drawing.HITS)),
+    Shortcut(("V",), "Drawings", "virtual viewpoint", partial(_toggle_drawing, drawing=Drawing.VIEWPOINT)),
+    Shortcut(("B",), "Drawings", "view volume", partial(_toggle_drawing, drawing=Drawing.VOLUME)),
+    Shortcut(("I",), "Drawings", "reflection points", partial(_toggle_drawing, drawing=Drawing.REFLECTIONS)),
     Shortcut(("S",), "Halves", "split the image", partial(_toggle, flag="split")),
     Shortcut(("X",), "Halves", "swap the halves", _swap),
     Shortcut(("M",), "Halves", "next method, first half", partial(_next_method, half="first")),
@@ -186,11 +191,6 @@ SHORTCUTS: tuple[Shortcut, ...] = (
         )
     ),
     Shortcut(("U",), "Halves", "errors in mrad or in pixels", _other_unit),
-    Shortcut(("W",), "Drawings", "wireframe", partial(_toggle_drawing, drawing=Drawing.WIREFRAME)),
-    Shortcut(("H",), "Drawings", "hit balls", partial(_toggle_drawing, drawing=Drawing.HITS)),
-    Shortcut(("V",), "Drawings", "virtual viewpoint", partial(_toggle_drawing, drawing=Drawing.VIEWPOINT)),
-    Shortcut(("B",), "Drawings", "view volume", partial(_toggle_drawing, drawing=Drawing.VOLUME)),
-    Shortcut(("I",), "Drawings", "reflection points", partial(_toggle_drawing, drawing=Drawing.REFLECTIONS)),
 )
 """Every shortcut, in the order of the help overlay."""
 

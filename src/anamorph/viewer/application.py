@@ -388,7 +388,7 @@ class Viewer:
             figures=tuple(each.figures if each else None for each in measured),
             inspection=self._inspector.inspection,
             reflections=self._follower.reflections,
-            searching=self._follower.searching,
+            searching=self._follower.searching or showing.counting,
             message=" ".join(filter(None, (self.message, *showing.failures))),
             progress=self._job.progress if self._job else None,
         )

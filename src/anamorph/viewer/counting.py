@@ -41,12 +41,18 @@ class Counting:
     ----------
     failure : str
         Why there is no count, where it has failed.
+    busy : bool
+        Whether what was asked for last is still to be counted.
     """
 
     def __init__(self) -> None:
         self._worker = Worker[Counts]()
         self._counted: tuple[Scene, Camera] | None = None
         self.failure = ""
+
+    @property
+    def busy(self) -> bool:
+        return self._worker.busy
 
     def counting(self, scene: Scene, eye: Camera) -> Generator[None, None, Counts | None]:
         """Wait in steps for what `vertex_counts` returns; None where it fails."""

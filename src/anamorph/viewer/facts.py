@@ -175,7 +175,7 @@ class Facts:
     reflections : Reflections or None
         Of the state's point.
     searching : bool
-        Whether they are still searched for.
+        Whether reflection points are still searched for: these, or those of the vertices that are counted.
     message : str
         What went wrong, or has been done; may be empty.
     progress : Progress or None

@@ -9,8 +9,7 @@ import numpy as np
 
 from anamorph.base.steps import drain
 from anamorph.base.vectors import Vector, tuple_of
-from anamorph.methods.tracing import PathTracer
-from anamorph.methods.tracing.launch import GivenRays
+from anamorph.methods.tracing import GivenRays, PathTracer
 from anamorph.rays.caster import Caster
 from anamorph.reflections.reflection_points import ReflectionPoints, ReflectionStatus, reflection_points
 from anamorph.scene.camera import Camera

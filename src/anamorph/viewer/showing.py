@@ -173,6 +173,11 @@ class Showing:
         return tuple(dict.fromkeys(filter(None, (*(self._of(method).failure for method in methods), counting))))
 
     @property
+    def counting(self) -> bool:
+        """Whether vertices are being counted."""
+        return bool(self._detailed and self._detailed.eye) and self.at_rest and self._counting.busy
+
+    @property
     def phases(self) -> Mapping[str, float]:
         """What the time of the first half's last image went to, milliseconds."""
         return self._of(self._imaged.methods[0]).phases if self._imaged else {}

@@ -173,6 +173,7 @@ def _status_line(sheet: Sheet, state: State, facts: Facts) -> None:
         words.append(f"{facts.samples_done} of {facts.samples_total} samples")
     if facts.frame_ms:
         words.append(f"{facts.frame_ms:.0f} ms, {1000.0 / facts.frame_ms:.0f} images a second")
+    words += ["searching reflection points"] if facts.searching else []
     words += ["from outside"] if state.observer is not None else []
     words += [f"{state.eye} eye"] if state.eye is not EyeSide.MIDDLE else []
     words += [f"{len(state.views)} view{'s' * (len(state.views) > 1)} remembered"] if state.views else []

@@ -10,7 +10,7 @@ from scipy.spatial import KDTree
 
 from anamorph.base.errors import AnamorphError
 from anamorph.frame import Frame
-from anamorph.measure.heatmap import STOPS, faint
+from anamorph.measure.heatmap import faint
 from anamorph.scene.camera import Camera
 from anamorph.scene.model import Scene
 from anamorph.viewer.failures import failure_text
@@ -18,12 +18,14 @@ from anamorph.viewer.measured import Color
 from anamorph.viewer.point_search import vertex_counts
 from anamorph.viewer.worker import Worker
 
-NAMES = ("not seen", "once", "twice", "3 times", "4 times or more")
-
 COUNT_COLORS: Mapping[str, Color] = {
-    name: (int(red), int(green), int(blue)) for name, (red, green, blue) in zip(NAMES, STOPS[::2], strict=True)
+    "not seen": (0, 0, 4),
+    "once": (87, 16, 110),
+    "twice": (188, 55, 84),
+    "3 times": (249, 142, 9),
+    "4 times or more": (255, 220, 0),
 }
-"""Of how often a vertex is seen in mirrors: lighter, the more often."""
+"""Of how often a vertex is seen in mirrors: lighter, the more often; the colour-blind, too, tell them apart."""
 
 FAINTEST = 242.0
 """The grey of what is white in a faint image."""
@@ -89,6 +91,6 @@ def count_colors(frame: Frame, scene: Scene, counts: Sequence[np.ndarray]) -> np
             continue
         # Where the image is dark, so are the colours, a little: shapes stay to be seen.
         _, nearest = KDTree(np.asarray(mesh.positions, float)).query(frame.position[shown], workers=-1)
-        own = np.array(list(COUNT_COLORS.values()))[np.minimum(count[nearest], len(NAMES) - 1)]
+        own = np.array(list(COUNT_COLORS.values()))[np.minimum(count[nearest], len(COUNT_COLORS) - 1)]
         colors[shown, :3] = own * (colors[shown, :3] / FAINTEST)
     return colors

@@ -5,28 +5,36 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
+from threading import Event
 from typing import Any
 
 import numpy as np
 import pytest
 from PIL import Image
-from viewer_hand import Hand
+from scenes import CAMERA, surroundings
+from viewer_hand import Hand, home_of
 
+from anamorph.methods import Specification
 from anamorph.reflections.reflection_points import ReflectionStatus
 from anamorph.scene.camera import Camera
+from anamorph.scene.model import Scene
 from anamorph.viewer import point_follower
 from anamorph.viewer.facts import Reflection, Reflections
+from anamorph.viewer.navigation import orbit
 from anamorph.viewer.numbers import numbered, numbers_of
 from anamorph.viewer.point_search import reflections_of
 from anamorph.viewer.space import DASHES, HIDDEN_LEG, reflection_marks
 from anamorph.viewer.starting import start_of
-from anamorph.viewer.state import Drawing, looking_eye, with_picked
+from anamorph.viewer.state import Drawing, Half, State, looking_eye, with_picked
 
 ORANGE = np.array([255, 196, 0])
 """Of the dot on a mirror, 8-bit sRGB."""
 
 MIRRORED = (0.62, 0.5)
 """A place of the image in the mirror of `flat-mirror`, and what is seen there lies before it."""
+
+DIRECT = (0.5, 0.95)
+"""A place of the floor, which the mirror shows, too."""
 
 
 @pytest.fixture
@@ -113,6 +121,39 @@ def test_another_click_is_another_point_and_escape_drops_it(hand: Hand) -> None:
     assert hand.viewer.state.point is None and hand.viewer.snapshot()["reflections"] is None
 
 
+def test_no_other_pixel_names_the_point(hand: Hand) -> None:
+    hand.key("i")
+    hand.click(*hand.place(*MIRRORED))
+    hand.settle(answered)
+    state = hand.viewer.state
+    # Another pixel is picked just as the eye moves: what was seen at the last one is still all that is known.
+    hand.viewer.state = replace(with_picked(state, (0.55, 0.55)), camera=orbit(state.camera, 0.02, 0.0))
+    hand.viewer.refresh()
+    hand.settle(answered)
+    assert hand.viewer.state.point == tuple(hand.viewer.snapshot()["inspection"]["point"]) != state.point
+
+
+def test_marks_come_when_a_slow_search_ends(hand: Hand, monkeypatch: pytest.MonkeyPatch) -> None:
+    begin, search = Event(), point_follower.reflections_of
+
+    def waits(*arguments: Any) -> Reflections:
+        assert begin.wait(60.0)
+        return search(*arguments)
+
+    monkeypatch.setattr(point_follower, "reflections_of", waits)
+    hand.key("i")
+    hand.click(*hand.place(*DIRECT))
+    hand.settle(lambda snapshot: snapshot["searching"])
+    hand.settle()
+    (found,) = searched(hand).found
+    x, y = map(int, found.pixel)
+    assert hand.viewer.snapshot()["reflections"] is None and not numbered_at(image_of(hand), found.pixel)
+    assert np.abs(image_of(hand)[y, x].astype(int) - ORANGE).max() > 60
+    begin.set()
+    hand.settle(answered)
+    assert np.abs(image_of(hand)[y, x].astype(int) - ORANGE).max() < 60 and numbered_at(image_of(hand), found.pixel)
+
+
 def test_from_outside_they_are_those_of_the_eye(hand: Hand) -> None:
     hand.key("i")
     hand.click(*hand.place(*MIRRORED))
@@ -143,8 +184,10 @@ def test_saved_images_have_the_numbers_and_saved_views_the_point(hand: Hand, tmp
     assert "point needs picked; give it too, or leave point out" in start_of(tmp_path / "alone.toml").message
 
 
-def test_a_scene_without_mirrors_says_so_once_and_the_viewer_goes_on(tmp_path: Path) -> None:
-    hand = Hand(start_of("spectacles-minus"), (640, 400))
+def test_a_scene_without_mirrors_says_so_once_and_the_viewer_goes_on() -> None:
+    traced = Half(Specification.parse("raytrace"))
+    scene = Scene("test", surroundings(), CAMERA)
+    hand = Hand(home_of(State(CAMERA, traced, traced, samples=1), scene))
     try:
         hand.key("i")
         hand.click(*hand.place(0.5, 0.8))

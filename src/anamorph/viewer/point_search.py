@@ -79,11 +79,10 @@ def visible(scene: Scene, eye: Camera, points: np.ndarray, found: ReflectionPoin
     """
     start = np.broadcast_to(np.asarray(eye.position, float), found.direction.shape)
     records = drain(_tracer(scene).tracing(GivenRays(start, found.direction)))
-    first = records.view(np.uint32)[:, 7] & 0xFFFF
     away = np.linalg.norm(records[:, :3] - found.position, axis=1)
     reach = np.linalg.norm(found.position - start, axis=1)
     leg = np.linalg.norm(points[found.point] - found.position, axis=1)
-    return (first == found.mesh + 1) & (away <= NEARLY * reach) & (records[:, 11] >= (1.0 - NEARLY) * leg)
+    return (away <= NEARLY * reach) & (records[:, 11] >= (1.0 - NEARLY) * leg)
 
 
 @lru_cache(maxsize=1)

@@ -70,9 +70,9 @@ def test_counts_are_shown_at_rest_and_the_image_while_it_moves():
 def test_they_are_counted_for_the_eye_wherever_an_observer_stands(monkeypatch):
     of, asked = scene(), []
 
-    def counted(scene, eye):
+    def counted(scene, eye, size):
         asked.append(eye)
-        return vertex_counts(scene, eye)
+        return vertex_counts(scene, eye, size)
 
     monkeypatch.setattr(counting, "vertex_counts", counted)
     showing, observer = Showing(), replace(CAMERA, position=(1.0, 1.0, 2.0))
@@ -95,6 +95,8 @@ def test_where_nothing_can_be_counted_the_image_stays_and_why_is_said():
 def test_counting_waits_in_steps_for_what_takes_long(monkeypatch):
     monkeypatch.setattr(counting, "PATIENCE", 0.0)
     own, of, steps = Counting(), scene(), []
-    counts = drain(own.counting(of, CAMERA), steps.append)
-    assert steps and all((one == other).all() for one, other in zip(counts, vertex_counts(of, CAMERA), strict=True))
+    counts = drain(own.counting(of, CAMERA, SIZE), steps.append)
+    assert steps and all(
+        (one == other).all() for one, other in zip(counts, vertex_counts(of, CAMERA, SIZE), strict=True)
+    )
     assert not own.busy and own.failure == ""

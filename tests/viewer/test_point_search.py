@@ -84,7 +84,7 @@ def searched(
     """Of each reflection point its point's number, its pixel, and whether it is visible."""
     found = reflection_points(scene, scene.camera, points, size)
     assert (found.image[:, 2] > 0.0).all()
-    return found.point, found.image[:, :2] / found.image[:, 2:], visible(scene, scene.camera, points, found)
+    return found.point, found.image[:, :2] / found.image[:, 2:], visible(scene, scene.camera, size, points, found)
 
 
 @pytest.mark.parametrize("radius", [1.4, -0.6])
@@ -94,12 +94,11 @@ def test_a_pixel_that_sees_a_point_in_a_mirror_is_one_of_those_that_show_it(radi
     rows, columns = np.nonzero((frame.specular == 1) & (frame.object_id > 0) & (frame.status == Status.TRACED))
     point, pixels, seen = searched(scene, frame.position[rows, columns].astype(float))
     away = np.linalg.norm(pixels - np.column_stack([columns, rows])[point] - 0.5, axis=1)
-    # At the mirror's very border, its triangles do not reach as far as its exact surface.
-    smaller = spherical_mirror(radius, half=(0.19, 0.14))
-    within = (drawn(scene_with(smaller), "raytrace").specular == 1)[rows, columns]
     # The points are float32, and one of a concave mirror's may be magnified.
+    own = np.bincount(point[(away < 0.02)], minlength=len(rows))
     shown = np.bincount(point[(away < 0.02) & seen], minlength=len(rows))
-    assert within.sum() > 1000 and (shown[within] == 1).all()
+    # At the very border, it is rounding that tells whether there is one.
+    assert len(rows) > 1000 and (own == 1).mean() > 0.999 and (shown == own).mean() > 0.999
 
 
 def test_a_visible_place_is_where_the_image_shows_that_point():
@@ -134,16 +133,19 @@ def test_vertices_before_a_flat_mirror_are_counted_where_the_mirrored_eye_sees_t
     hit = eye - to * (eye[2] / to[:, 2])[:, None]
     # The mirror goes from -0.2 to 0.2, and from 0.35 to 0.65.
     through = (cloud.positions[:, 2] > 0) & (np.abs(hit[:, 0]) < 0.2) & (np.abs(hit[:, 1] - 0.5) < 0.15)
-    mirror, counts = vertex_counts(before(cloud), CAMERA)
+    mirror, counts = vertex_counts(before(cloud), CAMERA, SIZE)
     assert mirror.tolist() == [0] * 4
     assert 5 < through.sum() < 250 and counts.tolist() == through.astype(int).tolist()
     hidden = before(cloud, obstacle((-1.0, 0.0, 0.4), (1.0, 1.5, 0.41)))
-    assert vertex_counts(hidden, CAMERA)[1].tolist() == (through & (cloud.positions[:, 2] < 0.4)).astype(int).tolist()
+    assert (
+        vertex_counts(hidden, CAMERA, SIZE)[1].tolist()
+        == (through & (cloud.positions[:, 2] < 0.4)).astype(int).tolist()
+    )
 
 
 def test_the_counts_of_vertices_are_those_of_points():
     scene = scene_with(spherical_mirror(-0.6), flat_mirror())
-    counts = vertex_counts(scene, CAMERA)
+    counts = vertex_counts(scene, CAMERA, SIZE)
     assert [len(each) for each in counts] == [len(mesh.positions) for mesh in scene.meshes]
     for mesh, own in zip(scene.meshes[2:4], counts[2:4], strict=True):
         for place, count in zip(mesh.positions.tolist()[::7], own[::7], strict=True):
@@ -156,4 +158,4 @@ def test_what_has_nothing_to_search_is_refused_in_one_line():
     with pytest.raises(AnamorphError, match=r"^scene 'test': has no mirror[^\n]*$"):
         reflections_of(scene, CAMERA, SIZE, POINT)
     with pytest.raises(AnamorphError, match=r"^scene 'test': has no mirror[^\n]*$"):
-        vertex_counts(scene, CAMERA)
+        vertex_counts(scene, CAMERA, SIZE)

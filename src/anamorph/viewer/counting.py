@@ -49,20 +49,21 @@ class Counting:
 
     def __init__(self) -> None:
         self._worker = Worker[Counts]()
-        self._counted: tuple[Scene, Camera] | None = None
+        self._counted: object = None
         self.failure = ""
 
     @property
     def busy(self) -> bool:
         return self._worker.busy
 
-    def counting(self, scene: Scene, eye: Camera) -> Generator[None, None, Counts | None]:
+    def counting(self, scene: Scene, eye: Camera, size: tuple[int, int]) -> Generator[None, None, Counts | None]:
         """Wait in steps for what `vertex_counts` returns; None where it fails."""
-        if self._counted != (scene, eye):
-            self._counted, self.failure = (scene, eye), ""
+        key = scene, eye, size
+        if self._counted != key:
+            self._counted, self.failure = key, ""
         while True:
             try:
-                counts = self._worker.get((scene, eye), partial(vertex_counts, scene, eye), PATIENCE)
+                counts = self._worker.get(key, partial(vertex_counts, *key), PATIENCE)
             except Exception as error:
                 self.failure = failure_text(error, "counting")
                 return None

@@ -10,6 +10,7 @@ import numpy as np
 from anamorph.base.steps import drain
 from anamorph.base.vectors import Vector, tuple_of
 from anamorph.methods.tracing import GivenRays, PathTracer
+from anamorph.optics.tessellation import outlined_scene
 from anamorph.rays.caster import Caster
 from anamorph.reflections.reflection_points import ReflectionPoints, ReflectionStatus, reflection_points
 from anamorph.scene.camera import Camera
@@ -33,7 +34,7 @@ def reflections_of(scene: Scene, eye: Camera, size: tuple[int, int], point: Vect
     points = np.array([point])
     found = reflection_points(scene, eye, points, size)
     assert found.image is not None
-    hidden = ~visible(scene, eye, points, found)
+    hidden = ~visible(scene, eye, size, points, found)
     rows = [
         Reflection(
             name=scene.meshes[found.mesh[row]].name,
@@ -49,10 +50,11 @@ def reflections_of(scene: Scene, eye: Camera, size: tuple[int, int], point: Vect
     return Reflections(point, eye.position, ReflectionStatus(found.point_status[0]), tuple(rows))
 
 
-def vertex_counts(scene: Scene, eye: Camera) -> tuple[np.ndarray, ...]:
+def vertex_counts(scene: Scene, eye: Camera, size: tuple[int, int]) -> tuple[np.ndarray, ...]:
     """How often the eye sees each vertex of each diffuse mesh in mirrors: (V,) int64 for each mesh of the scene.
 
-    What is hidden does not count. Of mirrors and lenses themselves, which are not looked for, it is 0.
+    What is hidden does not count: `size` (width, height) is that of the eye's image, as for `visible`. Of mirrors and
+    lenses themselves, which are not looked for, it is 0.
 
     Raises
     ------
@@ -63,7 +65,7 @@ def vertex_counts(scene: Scene, eye: Camera) -> tuple[np.ndarray, ...]:
     # Vertices stand at one place where faces meet at an edge.
     points, places = np.unique(np.concatenate(diffuse), axis=0, return_inverse=True)
     found = reflection_points(scene, eye, points)
-    seen = found.point[visible(scene, eye, points, found)]
+    seen = found.point[visible(scene, eye, size, points, found)]
     counts = np.bincount(seen, minlength=len(points))[places.reshape(-1)]
     parts = iter(np.split(counts, np.cumsum([len(each) for each in diffuse])[:-1]))
     return tuple(
@@ -72,13 +74,16 @@ def vertex_counts(scene: Scene, eye: Camera) -> tuple[np.ndarray, ...]:
     )
 
 
-def visible(scene: Scene, eye: Camera, points: np.ndarray, found: ReflectionPoints) -> np.ndarray:
+def visible(
+    scene: Scene, eye: Camera, size: tuple[int, int], points: np.ndarray, found: ReflectionPoints
+) -> np.ndarray:
     """Whether nothing stands in the paths over reflection points of `points` (N, 3): (M,) bool.
 
-    A ray is cast from the eye to each, and on from there to the point.
+    A ray is cast from the eye to each, and on from there to the point. As in the reference, mirrors have the outlines
+    of their exact surfaces in the eye's image of `size` (width, height): else they would hide themselves along seams.
     """
     start = np.broadcast_to(np.asarray(eye.position, float), found.direction.shape)
-    records = drain(_tracer(scene).tracing(GivenRays(start, found.direction)))
+    records = drain(_tracer(scene, eye, size).tracing(GivenRays(start, found.direction)))
     away = np.linalg.norm(records[:, :3] - found.position, axis=1)
     reach = np.linalg.norm(found.position - start, axis=1)
     leg = np.linalg.norm(points[found.point] - found.position, axis=1)
@@ -86,7 +91,8 @@ def visible(scene: Scene, eye: Camera, points: np.ndarray, found: ReflectionPoin
 
 
 @lru_cache(maxsize=1)
-def _tracer(scene: Scene) -> PathTracer:
+def _tracer(scene: Scene, eye: Camera, size: tuple[int, int]) -> PathTracer:
     """Of paths with one bounce."""
-    geometry = flatten(scene)
-    return PathTracer(scene, geometry, Caster(geometry), max_bounces=1)
+    outlined = outlined_scene(scene, eye, size)
+    geometry = flatten(outlined)
+    return PathTracer(outlined, geometry, Caster(geometry), max_bounces=1)

@@ -283,7 +283,8 @@ class Showing:
                 colors = status_colors(self.frames[half.method])
             elif half.aspect == Aspect.COUNTS and half in shown and half.method in self.frames:
                 assert self._scene is not None and self._detailed.eye is not None
-                counts = yield from mapped(self._counting.counting(self._scene, self._detailed.eye), _within)
+                counting = self._counting.counting(self._scene, self._detailed.eye, size)
+                counts = yield from mapped(counting, _within)
                 if counts is not None:
                     colors = count_colors(self.frames[half.method], self._scene, counts)
             self._shows_false_color[number] = colors is not None

@@ -87,9 +87,9 @@ def searched(
     return found.point, found.image[:, :2] / found.image[:, 2:], visible(scene, scene.camera, size, points, found)
 
 
-@pytest.mark.parametrize("radius", [1.4, -0.6])
-def test_a_pixel_that_sees_a_point_in_a_mirror_is_one_of_those_that_show_it(radius):
-    scene = scene_with(spherical_mirror(radius))
+@pytest.mark.parametrize(("radius", "cells"), [(1.4, 8), (-0.6, 8), (0.5, 2)])
+def test_a_pixel_that_sees_a_point_in_a_mirror_is_one_of_those_that_show_it(radius, cells):
+    scene = scene_with(spherical_mirror(radius, cells))
     frame = drawn(scene, "raytrace:bounces=1")
     rows, columns = np.nonzero((frame.specular == 1) & (frame.object_id > 0) & (frame.status == Status.TRACED))
     point, pixels, seen = searched(scene, frame.position[rows, columns].astype(float))

@@ -235,8 +235,9 @@ def test_hidden_ones_are_dashed_and_have_no_colour_and_numbers_tell_the_order() 
     assert lengths.sum() == pytest.approx(0.5 * 2.0 * np.hypot(1.0, 2.0), rel=1e-5)
     assert np.allclose(dashes[:DASHES, :, 0] * 2.0, dashes[:DASHES, :, 2], atol=1e-5)
     camera = Camera((0.0, 0.5, -1.0), (0.0, 0.5, 3.0))
-    numbers = numbers_of(Reflections(point, eye, ReflectionStatus.FOUND, (seen, hidden)), camera, (200.0, 100.0))
-    assert [number.text for number in numbers] == ["1+", "(2\N{MINUS SIGN})"]
+    found = (seen, hidden, replace(seen, order=0))
+    numbers = numbers_of(Reflections(point, eye, ReflectionStatus.FOCUS, found), camera, (200.0, 100.0))
+    assert [number.text for number in numbers] == ["1+", "(2\N{MINUS SIGN})", "3*"]
     behind = Camera((0.0, 0.5, 5.0), (0.0, 0.5, 9.0))
     assert numbers_of(Reflections(point, eye, ReflectionStatus.FOUND, (seen,)), behind, (200.0, 100.0)) == ()
     plain = np.full((100, 200, 3), 128, np.uint8)

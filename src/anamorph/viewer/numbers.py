@@ -11,7 +11,7 @@ from anamorph.scene.camera import Camera
 from anamorph.viewer.facts import Reflections
 from anamorph.viewer.panel import theme
 
-SIGNS = {1: "+", -1: "\N{MINUS SIGN}", 0: "0"}
+SIGNS = {1: "+", -1: "\N{MINUS SIGN}", 0: "*"}
 """Of the order of a reflection point."""
 
 BESIDE = (9.0, -16.0)

@@ -61,6 +61,18 @@ def outside(hand: Hand) -> None:
     press(hand, "o", "w", "h", "v", "b")
 
 
+def reflections(hand: Hand) -> None:
+    """A point at the foot of a pillar behind the ring, which shows it four times."""
+    press(hand, "i")
+    hand.click(*hand.place(0.4846, 0.4404))
+    hand.settle(lambda snapshot: snapshot["reflections"])
+
+
+def counts(hand: Hand) -> None:
+    """How often each vertex is seen."""
+    press(hand, "7")
+
+
 def keys(hand: Hand) -> None:
     """Every key and gesture."""
     press(hand, "F1")
@@ -73,6 +85,8 @@ SHOTS: dict[str, tuple[str, str, Callable[[Hand], None]]] = {
     "lens": ("spectacles-minus", "pervertex", ground),
     "status": ("car-mirror", "pervertex:tolerance=0.5", status),
     "outside": ("spectacles-minus", "pervertex", outside),
+    "reflections": ("torus", "raytrace", reflections),
+    "counts": ("torus", "raytrace", counts),
     "help": ("car-mirror", "pervertex", keys),
 }
 """Scene, method and what is done of each image."""

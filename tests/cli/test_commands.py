@@ -24,10 +24,12 @@ from anamorph.base.srgb import encode_srgb
 from anamorph.cli import commands as cli
 from anamorph.cli import demo
 from anamorph.cli.arguments import make_parser
+from anamorph.files.opening import open_scene
 from anamorph.gallery import SCENES
 from anamorph.measure import compare
 from anamorph.measure.frame_times import timing_rounds
 from anamorph.methods import METHODS
+from anamorph.viewer.point_search import reflections_of
 
 COMMAND = [sys.executable, "-m", "anamorph"]
 PATIENCE = 600.0
@@ -129,6 +131,27 @@ def test_turntable_writes_a_video_or_a_folder_and_says_which(tmp_path):
     assert np.abs(encode_srgb(np.clip(drawn, 0, 1).astype(float)) - first / 255.0).max() < 2.0 / 255.0
 
 
+def test_reflections_are_printed_and_marked_in_an_image(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    place = ("--point", "-0.2", "1.2", "2")
+    options = ("-m", "raytrace", "--size", "160x120")
+    assert cli.main(["reflections", "flat-mirror", *place, *options, "-o", "a.png"]) == 0
+    printed = capsys.readouterr().out
+    scene, size = open_scene("flat-mirror")[0], (160, 120)
+    found = reflections_of(scene, scene.camera, size, (-0.2, 1.2, 2.0))
+    (only,) = found.found
+    assert [f"{value:.2f}" in printed for value in only.pixel] == [True, True]
+    assert f"{only.length:.4f}" in printed and "right way round" in printed and "All are found." in printed
+    with Image.open(tmp_path / "a.png") as image:
+        assert image.size == size
+        marked = np.asarray(image).astype(int)
+    plain = np.round(255.0 * encode_srgb(np.clip(anamorph.render(scene, "raytrace", size=size).color, 0, 1)))
+    changed = np.abs(marked - plain).max(axis=2) > 8
+    x, y = map(int, only.pixel)
+    assert changed[y, x] and changed.mean() < 0.2
+    assert marked[y, x].tolist() == pytest.approx([255, 196, 0], abs=60)
+
+
 def test_a_view_of_nothing_named_is_that_of_the_first_scene():
     named = make_parser().parse_args(["view"])
     assert named.scene == next(iter(SCENES)) == "car-mirror"
@@ -192,6 +215,10 @@ USAGE = {
     "two scenes to view": (("view", "nowhere", "elsewhere"), "elsewhere"),
     "one file for two": (("render", "nowhere", "-o", "a.npy", "--seen", "position=a.npy"), "a.npy: is asked for twice"),
     "page over figures": (("compare", "nowhere", "--json", "a", "--html", "a"), "a: is asked for twice"),
+    "no point": (("reflections", "nowhere"), "--point"),
+    "a point of two": (("reflections", "nowhere", "--point", "1", "2"), "expected 3"),
+    "a point nowhere": (("reflections", "nowhere", "--point", "1", "nan", "2"), "'nan' is no coordinate"),
+    "marks in floats": (("reflections", "nowhere", "--point", "1", "1", "1", "-o", "a.npy"), "end the name in .png"),
     "page nowhere": (("compare", "nowhere", "--html", "no/a.html"), "no/a.html: there is no directory"),
 }
 
@@ -210,6 +237,7 @@ INPUT = {
     "turntable by no method": (("turntable", "spheres", "-m", "magic", "-o", "a.webm"), "magic"),
     "turntable of no scene": (("turntable", "nowhere", "-o", "a.webm"), "nowhere"),
     "faces of no CAD file": (("turntable", "spheres", "-o", "a.webm", "--faces", "1"), "are for CAD files"),
+    "reflections without mirrors": (("reflections", "magnifier", "--point", "1", "1", "1"), "has no mirror"),
     "missing file": (("render", "no.glb", "-o", "a.png"), "no.glb"),
     "unknown scene": (("compare", "nowhere"), "nowhere"),
     "damaged file": (("render", "damaged.glb", "-o", "a.png"), "damaged.glb"),

@@ -16,6 +16,7 @@ from anamorph.measure.status import STATUS_NAMES
 from anamorph.methods import METHODS, Method, Session, Specification
 from anamorph.methods.options import option
 from anamorph.viewer import gestures, shortcuts
+from anamorph.viewer.counting import COUNT_COLORS
 from anamorph.viewer.facts import Facts
 from anamorph.viewer.fluency import RESOLUTIONS, SLOWEST
 from anamorph.viewer.measured import ERROR_COLORS, STATUS_COLORS, scale_ticks
@@ -52,11 +53,12 @@ def test_the_scales_are_those_that_are_drawn():
 
 
 def test_every_color_status_and_drawing_is_explained():
-    errors, statuses = (row for row in GUIDE.split("\n| colour | ")[1:])
-    assert errors.startswith("error") and statuses.startswith("status")
+    errors, statuses, counts = (row for row in GUIDE.split("\n| colour | ")[1:])
+    assert errors.startswith("error") and statuses.startswith("status") and counts.startswith("count")
     assert re.findall(r"^\| \w+ \| ([a-z ]+) \|", errors.split("\n\n")[0], re.M) == list(ERROR_COLORS)
     listed = re.findall(r"^\| [a-z ]+ \| ([a-z ]+) \|", statuses.split("\n\n")[0], re.M)
     assert listed == [STATUS_NAMES[status] for status in STATUS_COLORS]
+    assert re.findall(r"^\| \w+ \| ([\w ]+) \|$", counts.split("\n\n")[0], re.M) == list(COUNT_COLORS)
     assert [row[0] for row in table("drawing")] == [title.lower() for _, title, _ in DRAWINGS]
 
 

@@ -15,6 +15,7 @@ from anamorph.base.srgb import decode_srgb, encode_srgb
 from anamorph.frame import Frame, Status
 from anamorph.measure.errors import ErrorMaps
 from anamorph.measure.heatmap import MILLIRADIANS, PIXELS, VIRIDIS, Scale, faint, heat_colors, heat_map, scale_colors
+from anamorph.viewer.counting import COUNT_COLORS
 from anamorph.viewer.measured import (
     ERROR_COLORS,
     OTHER_OBJECT,
@@ -193,6 +194,9 @@ def test_all_eyes_tell_the_colours_apart(eye: str) -> None:
     statuses = np.array([color for status, color in STATUS_COLORS.items() if status is not Status.DIRECT], float)
     assert least_difference(statuses, statuses, EYES[eye]) > 20.0
     assert least_difference(statuses, greys, EYES[eye]) > 20.0
+    counts = np.array([*COUNT_COLORS.values()], float)
+    assert least_difference(counts, counts, EYES[eye]) > 20.0
+    assert least_difference(counts, greys, EYES[eye]) > 20.0
     heat = scale_colors(np.geomspace(MILLIRADIANS.lowest, MILLIRADIANS.highest, 200)).astype(float)
     marks = np.array([*ERROR_COLORS.values()], float)
     for others in (heat, greys, marks):

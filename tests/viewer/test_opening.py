@@ -301,13 +301,15 @@ def test_halves_layers_and_split_are_carried_over_and_the_eye_is_not() -> None:
         values={"mirror/swivel": 3.0},
         picked=(0.5, 0.5),
         picked_outside=True,
+        point=(1.0, 2.0, 3.0),
         views=(old.camera,),
         opening="spheres",
         samples=2,
         unit="px",
     )
     start = start_of("spheres")
-    left = {"observer": None, "values": {}, "picked": None, "picked_outside": False, "opening": None, "views": ()}
+    left = {"observer": None, "values": {}, "picked": None, "picked_outside": False, "point": None}
+    left |= {"opening": None, "views": ()}
     kept = replace(set_there, camera=start.state.camera, **left)
     assert carried_over(set_there, start) == kept
     glass = start_of("magnifier")

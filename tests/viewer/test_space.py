@@ -17,9 +17,10 @@ from anamorph.methods.pervertex import Options, seen_bodies
 from anamorph.methods.tracing import PathTracer
 from anamorph.methods.tracing.launch import GivenRays
 from anamorph.raymesh import RayStatus
+from anamorph.reflections.reflection_points import ReflectionStatus
 from anamorph.scene.camera import Camera
 from anamorph.scene.model import Diffuse, Glass, Mirror, Scene
-from anamorph.viewer.facts import Inspection, Stop
+from anamorph.viewer.facts import Inspection, Reflection, Reflections, Stop
 from anamorph.viewer.marks import NO_MARKS, dot_marks, joined, line_marks
 from anamorph.viewer.space import (
     MOST_HITS,
@@ -246,14 +247,17 @@ def test_all_that_the_state_asks_for_is_drawn_and_nothing_else():
     assert len(space_marks(space, state_of(scene), CAMERA, SIZE).segments.ends) == 0
     assert "surroundings" not in vars(space), "nothing is prepared that is not drawn"
     sizes = {}
+    found = Reflection("mirror", (0.0, 0.5, 0.0), (1.0, 2.0), 3.0, 1, False)
+    shown = Reflections((0.0, 0.5, 1.0), CAMERA.position, ReflectionStatus.FOUND, (found,))
     for drawing in Drawing:
-        marks = space_marks(space, state_of(scene, drawing), CAMERA, SIZE)
+        reflections = shown if drawing is Drawing.REFLECTIONS else None
+        marks = space_marks(space, state_of(scene, drawing), CAMERA, SIZE, None, reflections)
         sizes[drawing] = len(marks.segments.ends)
         assert finite(marks) and sizes[drawing] > 0
-    together = space_marks(space, state_of(scene, *Drawing), CAMERA, SIZE)
+    together = space_marks(space, state_of(scene, *Drawing), CAMERA, SIZE, None, shown)
     assert len(together.segments.ends) == sum(sizes.values())
     # From outside there are the eye and its rays as well.
-    outside = space_marks(space, state_of(scene, *Drawing, observer=ASIDE), CAMERA, SIZE)
+    outside = space_marks(space, state_of(scene, *Drawing, observer=ASIDE), CAMERA, SIZE, None, shown)
     assert finite(outside) and len(outside.segments.ends) == sum(sizes.values()) + sizes[Drawing.HITS] + 8
     path = (Stop("eye", CAMERA.position), Stop("floor", (0.0, 0.0, 0.0)))
     inspection = Inspection(

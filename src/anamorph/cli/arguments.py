@@ -37,6 +37,7 @@ EXAMPLES = """examples:
   anamorph turntable car-mirror -o mirror.webm --swing 20
   anamorph turntable car-mirror-1.toml --path -o path.webm
   anamorph turntable model.glb -o frames --frames 36 --size 800x600 --samples 2
+  anamorph reflections torus --point -0.54 0 -4.07 -o seen.png
   anamorph bench deforming
   anamorph bench trilinear --output times
   anamorph bench threeray --part frames
@@ -94,6 +95,16 @@ def _swing(text: str) -> float:
     if not 0.0 < degrees <= 180.0:
         raise argparse.ArgumentTypeError(f"'{text}' is no swing; write more than 0 and at most 180 degrees")
     return degrees
+
+
+def _metres(text: str) -> float:
+    try:
+        metres = float(text)
+    except ValueError:
+        metres = math.nan
+    if not math.isfinite(metres):
+        raise argparse.ArgumentTypeError(f"'{text}' is no coordinate; write metres, as --point 0.5 1 -2")
+    return metres
 
 
 def _seen(text: str) -> tuple[str, Path]:
@@ -178,6 +189,15 @@ def make_parser() -> argparse.ArgumentParser:
     course.add_argument("--path", action="store_true", help=path)
     turntable.add_argument("--samples", metavar="N", type=_samples, default=1, help="N x N samples a pixel (1)")
 
+    reflections = command("reflections", "find all places of mirrors that show a point, and mark them in an image")
+    reflections.add_argument("scene", metavar="SCENE|MODEL", help=scene)
+    place = "the point, metres"
+    reflections.add_argument("--point", metavar=("X", "Y", "Z"), type=_metres, nargs=3, required=True, help=place)
+    reflections.add_argument("-m", "--method", metavar="METHOD", type=_method, help=method)
+    marked = ", ".join(suffix for suffix in IMAGES if suffix != ".npy")
+    reflections.add_argument("-o", "--output", metavar="FILE", type=Path, help=f"an image with these marks: {marked}")
+    reflections.add_argument("--size", metavar="WxH", type=_size, help=size)
+
     bench = commands.add_parser("bench", help="time methods against the ray tracer", allow_abbrev=False)
     benchmarks = bench.add_subparsers(metavar="BENCHMARK", required=True, dest="benchmark")
 
@@ -210,7 +230,7 @@ def make_parser() -> argparse.ArgumentParser:
         again.add_argument("--quick", action="store_true", help="small images and scenes: does it work?")
         again.add_argument("--part", metavar="PART", action="append", help=f"{parts}; may be repeated (all)")
 
-    for added in (render, compare, view, turntable):
+    for added in (render, compare, view, turntable, reflections):
         add_cad_options(added)
     command("scenes", "list the built-in scenes")
     command("info", "print the graphics adapter, the versions, the methods, and what auto chooses by")

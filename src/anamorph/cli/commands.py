@@ -171,6 +171,23 @@ def _turntable(arguments: argparse.Namespace) -> None:
     print(summary)
 
 
+def _reflections(arguments: argparse.Namespace) -> None:
+    from anamorph.base.vectors import tuple_of
+    from anamorph.cli.reflected_point import point_table
+    from anamorph.measure.table import print_table
+
+    table = point_table(
+        arguments.scene,
+        tuple_of(arguments.point),
+        arguments.output,
+        arguments.method,
+        arguments.size,
+        choice=face_choice(arguments),
+        mirror_of=arguments.mirror_of,
+    )
+    print_table(table)
+
+
 def _bench_deforming(arguments: argparse.Namespace) -> None:
     from anamorph.bench.deforming import DEFAULT, deforming_table, time_deforming
     from anamorph.files.scene_file import DEFAULT_SIZE
@@ -295,6 +312,7 @@ COMMANDS = {
     "compare": _compare,
     "view": _view,
     "turntable": _turntable,
+    "reflections": _reflections,
     "bench choice": _bench_choice,
     "bench deforming": _bench_deforming,
     "bench editing": _bench_editing,

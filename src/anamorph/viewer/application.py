@@ -27,7 +27,9 @@ from anamorph.viewer.inspector import Inspector
 from anamorph.viewer.job import Job
 from anamorph.viewer.layout import image_area, in_pixels, inside
 from anamorph.viewer.marks import NO_MARKS
+from anamorph.viewer.numbers import numbered, numbers_of
 from anamorph.viewer.panel.panel import Drawn, draw_panel
+from anamorph.viewer.point_follower import PointFollower, with_point
 from anamorph.viewer.pointer import Pointer
 from anamorph.viewer.shortcuts import press
 from anamorph.viewer.showing import Showing
@@ -51,6 +53,9 @@ TIP_DELAY = 0.4
 
 LONGEST_REFINING = 0.25
 """Seconds of refining for one image, however long the last one took to be shown."""
+
+ANSWER_DELAY = 0.05
+"""Seconds until it is looked again whether a search has ended that takes longer than a frame."""
 
 UNSEEN = 0.25
 """Seconds without an image after which what is being saved goes on without: nobody looks."""
@@ -147,7 +152,7 @@ class Viewer:
         self._stop_saving()
         self._showing, self._space = Showing(), PreparedScene(self._scene)
         self._marked: object = None
-        self._inspector = Inspector()
+        self._inspector, self._follower = Inspector(), PointFollower()
         self._changed_at, self._refined_at = 0.0, np.inf
 
     def _take(self, event: dict[str, Any]) -> None:
@@ -238,10 +243,7 @@ class Viewer:
             return
         if self._showing.update(scene, self.state, size):
             self._changed_at, self._refined_at = now, np.inf
-            if self._showing.moving or self._later is None:
-                self._canvas.request_draw()
-            else:
-                self._later(REST_DELAY, self._canvas.request_draw)
+            self._draw_after(0.0 if self._showing.moving else REST_DELAY)
             return
         if self._job is not None:
             self._save(self._job)
@@ -255,6 +257,13 @@ class Viewer:
             self._refined_at = perf_counter()
             if self._refined_at - now >= taken:
                 break
+
+    def _draw_after(self, seconds: float) -> None:
+        """Draw again, once nothing has to be waited for."""
+        if self._later is None or seconds == 0.0:
+            self._canvas.request_draw()
+        else:
+            self._later(seconds, self._canvas.request_draw)
 
     def _paint(self) -> None:
         pixels = self._pixels
@@ -271,13 +280,17 @@ class Viewer:
         if not self._scene.meshes or min(size) < 1:
             return
         inspection = self._inspector.update(self._space, self.state, size, self._showing)
+        self.state = with_point(self.state, self._inspector)
+        reflections = self._follower.update(self._scene, self.state, size, self._showing.at_rest)
+        if self._follower.searching:
+            self._draw_after(ANSWER_DELAY)
         methods = tuple(half.method for half in self.state.halves)
-        marked = (self._scene, self.state.drawings, self.state.observer, methods, eye, size, inspection)
+        marked = (self._scene, self.state.drawings, self.state.observer, methods, eye, size, inspection, reflections)
         if marked != self._marked:
             self._marked = marked
             # Should the new ones fail, the old ones must not stay.
             self._device_canvas.mark(NO_MARKS)
-            self._device_canvas.mark(space_marks(self._space, self.state, eye, size, inspection))
+            self._device_canvas.mark(space_marks(self._space, self.state, eye, size, inspection, reflections))
 
     def _show_panel(self) -> None:
         self._device_canvas.panel(self._draw_panel)
@@ -352,8 +365,10 @@ class Viewer:
 
     def _image(self) -> np.ndarray:
         """The image as it is shown, without the panel, (H, W, 3) uint8 sRGB."""
-        size = self._pixels[2:]
-        return self._device_canvas.image(size, *self._shown(size))
+        size, ratio = self._pixels[2:], self._canvas.get_pixel_ratio()
+        left, top, right, bottom = self._area
+        numbers = numbers_of(self._follower.reflections, shown_camera(self.state), (right - left, bottom - top))
+        return numbered(self._device_canvas.image(size, *self._shown(size)), numbers, ratio)
 
     def _facts(self) -> Facts:
         showing, width_height = self._showing, self._pixels[2:]
@@ -372,6 +387,8 @@ class Viewer:
             samples_total=self.state.samples**2 if self.state.samples > 1 else 0,
             figures=tuple(each.figures if each else None for each in measured),
             inspection=self._inspector.inspection,
+            reflections=self._follower.reflections,
+            searching=self._follower.searching or showing.counting,
             message=" ".join(filter(None, (self.message, *showing.failures))),
             progress=self._job.progress if self._job else None,
         )

@@ -8,6 +8,7 @@ from enum import StrEnum
 
 from anamorph.measure.errors import Statistics
 from anamorph.methods.specification import Specification
+from anamorph.reflections.reflection_points import ReflectionStatus
 from anamorph.scene.camera import Camera
 from anamorph.scene.model import Scene
 
@@ -79,6 +80,56 @@ class Inspection:
 
 
 @dataclass(frozen=True)
+class Reflection:
+    """One of the reflection points of a point.
+
+    Parameters
+    ----------
+    name : str
+        Of the mirror.
+    position : three floats
+        Where on it, metres.
+    pixel : (x, y) or None
+        Where the eye's image shows it, from the image's top left, which need not be inside; None behind the eye.
+    length : float
+        Of the path from the eye over the mirror to the point, metres.
+    order : int
+        1 where the point is seen the right way round, -1 where it is seen mirrored, 0 at a focus.
+    hidden : bool
+        Whether something stands in the path.
+    """
+
+    name: str
+    position: Vector
+    pixel: tuple[float, float] | None
+    length: float
+    order: int
+    hidden: bool
+
+
+@dataclass(frozen=True)
+class Reflections:
+    """Where the mirrors of a scene show a point to the eye.
+
+    Parameters
+    ----------
+    point : three floats
+        Metres.
+    eye : three floats
+        Metres.
+    status : ReflectionStatus
+        What is known of them all.
+    found : tuple of Reflection
+        By the length of their paths.
+    """
+
+    point: Vector
+    eye: Vector
+    status: ReflectionStatus
+    found: tuple[Reflection, ...]
+
+
+@dataclass(frozen=True)
 class Figures:
     """The errors of what one half shows, and how its specular pixels got their value."""
 
@@ -121,6 +172,10 @@ class Facts:
     figures : tuple of Figures or None
         Of the halves, once measured.
     inspection : Inspection or None
+    reflections : Reflections or None
+        Of the state's point.
+    searching : bool
+        Whether reflection points are still searched for: these, or those of the vertices that are counted.
     message : str
         What went wrong, or has been done; may be empty.
     progress : Progress or None
@@ -139,6 +194,8 @@ class Facts:
     samples_total: int = 0
     figures: tuple[Figures | None, ...] = ()
     inspection: Inspection | None = None
+    reflections: Reflections | None = None
+    searching: bool = False
     message: str = ""
     progress: Progress | None = None
     home: Camera | None = None

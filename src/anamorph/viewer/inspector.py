@@ -63,6 +63,10 @@ class Inspector:
                 self._found(space, state, shown_camera(state), size, measured)
         return self.inspection
 
+    def found_at(self, picked: tuple[float, float] | None) -> Inspection | None:
+        """What was seen at a picked pixel; None until that one has been looked into."""
+        return self.inspection if picked is not None and picked == self._picked else None
+
     def _follow(self, space: PreparedScene, eye: Camera) -> None:
         """Trace the eye's path anew where it, or the scene, is another: of errors there is no word until it looks."""
         if self._traced != (space, eye) and self.inspection is not None:

@@ -171,6 +171,11 @@ SHORTCUTS: tuple[Shortcut, ...] = (
     Shortcut(("E",), "View", "left, middle or right eye", _next_eye),
     Shortcut(("O",), "View", "look from outside", _toggle_observer),
     Shortcut(("K",), "View", "remember the view", lambda state, home: remember(state)),
+    Shortcut(("W",), "Drawings", "wireframe", partial(_toggle_drawing, drawing=Drawing.WIREFRAME)),
+    Shortcut(("H",), "Drawings", "hit balls", partial(_toggle_drawing, drawing=Drawing.HITS)),
+    Shortcut(("V",), "Drawings", "virtual viewpoint", partial(_toggle_drawing, drawing=Drawing.VIEWPOINT)),
+    Shortcut(("B",), "Drawings", "view volume", partial(_toggle_drawing, drawing=Drawing.VOLUME)),
+    Shortcut(("I",), "Drawings", "reflection points", partial(_toggle_drawing, drawing=Drawing.REFLECTIONS)),
     Shortcut(("S",), "Halves", "split the image", partial(_toggle, flag="split")),
     Shortcut(("X",), "Halves", "swap the halves", _swap),
     Shortcut(("M",), "Halves", "next method, first half", partial(_next_method, half="first")),
@@ -178,14 +183,14 @@ SHORTCUTS: tuple[Shortcut, ...] = (
     *(
         Shortcut((str(key),), "Halves", f"{aspect}, {half} half", partial(_set_aspect, half=half, aspect=aspect))
         for key, (half, aspect) in enumerate(
-            ((half, aspect) for half in ("first", "second") for aspect in Aspect), start=1
+            (
+                *((half, aspect) for half in ("first", "second") for aspect in Aspect if aspect is not Aspect.COUNTS),
+                *((half, Aspect.COUNTS) for half in ("first", "second")),
+            ),
+            start=1,
         )
     ),
     Shortcut(("U",), "Halves", "errors in mrad or in pixels", _other_unit),
-    Shortcut(("W",), "Drawings", "wireframe", partial(_toggle_drawing, drawing=Drawing.WIREFRAME)),
-    Shortcut(("H",), "Drawings", "hit balls", partial(_toggle_drawing, drawing=Drawing.HITS)),
-    Shortcut(("V",), "Drawings", "virtual viewpoint", partial(_toggle_drawing, drawing=Drawing.VIEWPOINT)),
-    Shortcut(("B",), "Drawings", "view volume", partial(_toggle_drawing, drawing=Drawing.VOLUME)),
 )
 """Every shortcut, in the order of the help overlay."""
 

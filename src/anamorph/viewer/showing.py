@@ -16,10 +16,11 @@ from anamorph.methods.specification import Specification
 from anamorph.scene.camera import Camera
 from anamorph.scene.model import Scene
 from anamorph.viewer.compose import FalseColorTexture, Shown
+from anamorph.viewer.counting import Counting, count_colors
 from anamorph.viewer.fluency import COARSEST, RESOLUTIONS, Fluency, scaled
 from anamorph.viewer.measured import Measured, error_colors, measure_half, status_colors
 from anamorph.viewer.method_images import MethodImages, Size
-from anamorph.viewer.state import REFERENCE, Aspect, Half, State, shown_camera
+from anamorph.viewer.state import REFERENCE, Aspect, Half, State, looking_eye, shown_camera
 
 LONG = 4e3
 """Milliseconds that an image at rest may be expected to take; on the way to a longer one, coarser ones are drawn, each
@@ -54,6 +55,7 @@ class _Detailed:
     halves: tuple[Half, ...]
     unit: str
     picked: bool
+    eye: Camera | None
 
 
 class Showing:
@@ -91,6 +93,7 @@ class Showing:
         self._long = False
         self._false_colors = FalseColorTexture(), FalseColorTexture()
         self._shows_false_color = [False, False]
+        self._counting = Counting()
         self._first = True
         self.frames: dict[Specification, Frame] = {}
         self.measured: dict[Specification, Measured] = {}
@@ -107,7 +110,8 @@ class Showing:
         """
         methods = tuple(half.method for half in state.halves)
         imaged = _Imaged(shown_camera(state), methods, size, state.resolution, state.samples)
-        detailed = _Detailed(state.halves, state.unit, state.picked is not None)
+        counts = any(half.aspect == Aspect.COUNTS for half in state.halves)
+        detailed = _Detailed(state.halves, state.unit, state.picked is not None, looking_eye(state) if counts else None)
         moved = scene is not self._scene or imaged != self._imaged
         changed = moved or detailed != self._detailed
         if self._underway is not None and (not moved or self._spent < STALE):
@@ -163,9 +167,15 @@ class Showing:
 
     @property
     def failures(self) -> tuple[str, ...]:
-        """Why methods draw nothing."""
+        """Why methods draw nothing, or nothing is counted."""
         methods = self._imaged.methods if self._imaged else ()
-        return tuple(dict.fromkeys(filter(None, (self._of(method).failure for method in methods))))
+        counting = self._counting.failure if self._detailed and self._detailed.eye else ""
+        return tuple(dict.fromkeys(filter(None, (*(self._of(method).failure for method in methods), counting))))
+
+    @property
+    def counting(self) -> bool:
+        """Whether vertices are being counted."""
+        return bool(self._detailed and self._detailed.eye) and self.at_rest and self._counting.busy
 
     @property
     def phases(self) -> Mapping[str, float]:
@@ -249,7 +259,11 @@ class Showing:
         """What each pixel sees, where false colours or the picked pixel need it, and the false-colour images."""
         assert self._imaged is not None and self._detailed is not None
         halves, picked = self._detailed.halves, self._detailed.picked
-        seen = [half.method for half in halves if half.aspect != Aspect.IMAGE or picked]
+        # Counts take longer than an image that moves.
+        shown = [
+            half for half in halves if half.aspect != Aspect.IMAGE and (self.at_rest or half.aspect != Aspect.COUNTS)
+        ]
+        seen = [half.method for half in halves if half in shown or picked]
         compared = [half.method for half in halves if half.aspect == Aspect.ERROR or picked]
         for method in dict.fromkeys([*seen, *([REFERENCE] if compared else [])]):
             if method not in self.frames:
@@ -267,6 +281,12 @@ class Showing:
                 colors = error_colors(self.measured[half.method], self._detailed.unit)
             elif half.aspect == Aspect.STATUS and half.method in self.frames:
                 colors = status_colors(self.frames[half.method])
+            elif half.aspect == Aspect.COUNTS and half in shown and half.method in self.frames:
+                assert self._scene is not None and self._detailed.eye is not None
+                counting = self._counting.counting(self._scene, self._detailed.eye, size)
+                counts = yield from mapped(counting, _within)
+                if counts is not None:
+                    colors = count_colors(self.frames[half.method], self._scene, counts)
             self._shows_false_color[number] = colors is not None
             if colors is not None:
                 self._false_colors[number].write(colors)

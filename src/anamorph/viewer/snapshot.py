@@ -12,7 +12,7 @@ from anamorph.viewer.state import State
 
 def snapshot(facts: Facts, state: State, drawn: Drawn | None, frames: int, at_rest: bool) -> dict[str, Any]:
     """All of it but the scene's arrays, ready for JSON."""
-    copied = ("size", "image", "full", "adapter", "frame_ms", "samples_done", "samples_total", "message")
+    copied = ("size", "image", "full", "adapter", "frame_ms", "samples_done", "samples_total", "searching", "message")
     halves = {
         name: vars(half) | {"method": str(half.method)}
         for name, half in (("first", state.first), ("second", state.second))
@@ -28,6 +28,7 @@ def snapshot(facts: Facts, state: State, drawn: Drawn | None, frames: int, at_re
         "phases_ms": dict(facts.phases_ms),
         "figures": [each and asdict(each) for each in facts.figures],
         "inspection": seen and asdict(seen) | {"method": str(seen.method)},
+        "reflections": facts.reflections and asdict(facts.reflections) | {"status": facts.reflections.status.name},
         "progress": facts.progress and asdict(facts.progress),
         **{name: getattr(facts, name) for name in copied},
     }

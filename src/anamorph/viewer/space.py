@@ -20,7 +20,7 @@ from anamorph.raymesh import RayStatus
 from anamorph.scene.camera import Camera
 from anamorph.scene.geometry import Geometry, flatten
 from anamorph.scene.model import Scene
-from anamorph.viewer.facts import Inspection
+from anamorph.viewer.facts import Inspection, Reflections
 from anamorph.viewer.marks import NO_MARKS, Marks, between, dot_marks, joined, line_marks
 from anamorph.viewer.state import Drawing, State
 from anamorph.viewer.wireframe import Wireframe, wireframe_of
@@ -55,6 +55,11 @@ LEG_COLORS = ((0.05, 0.35, 1.0, 1.0), (1.0, 0.55, 0.0, 1.0), (0.9, 0.05, 0.35, 1
 """Of a path's legs: from the eye, between surfaces, and to its end."""
 
 
+HIDDEN_LEG = (0.55, 0.55, 0.55, 0.8)
+DASHES = 24
+"""Of a leg of a path in which something stands."""
+
+
 @dataclass(frozen=True, eq=False)
 class PreparedScene:
     """A scene, and what is prepared of it once for all frames, when it is first needed."""
@@ -86,7 +91,12 @@ class PreparedScene:
 
 
 def space_marks(
-    space: PreparedScene, state: State, looking: Camera, size: tuple[int, int], inspection: Inspection | None = None
+    space: PreparedScene,
+    state: State,
+    looking: Camera,
+    size: tuple[int, int],
+    inspection: Inspection | None = None,
+    reflections: Reflections | None = None,
 ) -> Marks:
     """All that `state` asks to be drawn into space.
 
@@ -102,6 +112,8 @@ def space_marks(
         Of its image, in pixels.
     inspection : Inspection, optional
         Of the pixel whose path is shown.
+    reflections : Reflections, optional
+        Of the point whose reflection points are shown.
     """
     shown = state.observer or looking
     seen: list[Seen] = []
@@ -121,6 +133,8 @@ def space_marks(
         parts.append(eye_marks(looking, size, _eye_depth(space, looking)))
     if inspection is not None:
         parts.append(path_marks(inspection))
+    if reflections is not None:
+        parts.append(reflection_marks(reflections))
     return joined(parts)
 
 
@@ -251,6 +265,26 @@ def path_marks(inspection: Inspection) -> Marks:
             dot_marks(points, colors[: legs + 1], radius=4.5),
         ]
     )
+
+
+def reflection_marks(reflections: Reflections) -> Marks:
+    """The paths over all reflection points of a point, dashed and without colours where something hides it there."""
+    parts = []
+    for each in reflections.found:
+        legs = between([reflections.eye, each.position], [each.position, reflections.point])
+        if each.hidden:
+            parts += [line_marks(_dashed(legs), HIDDEN_LEG, 1.6), dot_marks(each.position, HIDDEN_LEG, 4.0)]
+        else:
+            colors = np.array([LEG_COLORS[0], LEG_COLORS[2]])
+            parts += [line_marks(legs, colors, 2.5), dot_marks(each.position, LEG_COLORS[1], 5.5)]
+    return joined([*parts, dot_marks(reflections.point, LEG_COLORS[2], 5.5)])
+
+
+def _dashed(lines: np.ndarray) -> np.ndarray:
+    """Lines, (N, 2, 3), cut into dashes with gaps between them."""
+    shares = np.arange(DASHES) / DASHES
+    ends = np.stack([shares, shares + 0.5 / DASHES], axis=-1)[None, ..., None]
+    return (lines[:, None, :1] + ends * (lines[:, None, 1:] - lines[:, None, :1])).reshape(-1, 2, 3)
 
 
 def _drawn(seen: Seen) -> np.ndarray:

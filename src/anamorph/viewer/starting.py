@@ -104,6 +104,7 @@ def carried_over(state: State, start: Start) -> State:
         values=start.state.values,
         picked=None,
         picked_outside=False,
+        point=None,
         views=start.state.views,
         opening=None,
     )

@@ -10,7 +10,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from enum import StrEnum
 
-from anamorph.base.vectors import tuple_of
+from anamorph.base.vectors import Vector, tuple_of
 from anamorph.methods.specification import Specification
 from anamorph.scene.camera import Camera
 
@@ -27,6 +27,7 @@ class Aspect(StrEnum):
     IMAGE = "image"
     ERROR = "error"
     STATUS = "status"
+    COUNTS = "counts"
 
 
 class Drawing(StrEnum):
@@ -36,6 +37,7 @@ class Drawing(StrEnum):
     HITS = "hits"
     VIEWPOINT = "viewpoint"
     VOLUME = "volume"
+    REFLECTIONS = "reflections"
 
 
 class EyeSide(StrEnum):
@@ -88,6 +90,9 @@ class State:
         The picked point of the image, as shares of its width and height from the top left.
     picked_outside : bool
         Whether that is the observer's image, and not the eye's; only while there are both.
+    point : three floats or None
+        The world point whose reflection points are shown, metres: what was seen at the picked point of the image. It
+        stays as eye and scene move.
     views : tuple of Camera
         What has been remembered, each as `shown_camera` gave it; a path goes through them in their order.
     """
@@ -109,6 +114,7 @@ class State:
     opening: str | None = None
     picked: tuple[float, float] | None = None
     picked_outside: bool = False
+    point: Vector | None = None
     views: tuple[Camera, ...] = ()
 
     @property
@@ -131,8 +137,11 @@ def shown_camera(state: State) -> Camera:
 
 
 def with_picked(state: State, picked: tuple[float, float] | None) -> State:
-    """The state with a point of the shown image picked, or with none; it also notes whose image that is."""
-    return replace(state, picked=picked, picked_outside=picked is not None and state.observer is not None)
+    """The state with a point of the shown image picked, or with none; it also notes whose image that is.
+
+    Which point of the world is seen there is not known before it is looked into.
+    """
+    return replace(state, picked=picked, picked_outside=picked is not None and state.observer is not None, point=None)
 
 
 def with_observer(state: State, observer: Camera | None) -> State:

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from anamorph.base.errors import AnamorphError
+from anamorph.base.vectors import Vector
 from anamorph.editing.edit import Edit
 from anamorph.files.scene_file import camera_of
 from anamorph.files.tables import Table
@@ -24,6 +25,7 @@ from anamorph.viewer.state import REFERENCE, Aspect, Drawing, EyeSide, Half, Sta
 UNITS = ("mrad", "px")
 MOST_RESOLUTION = 4.0
 FAR = (-np.inf, np.inf)
+ORIGIN = (0.0, 0.0, 0.0)
 
 
 def view_of(state: State) -> dict[str, Any]:
@@ -46,6 +48,8 @@ def view_of(state: State) -> dict[str, Any]:
         view["observer"] = eye_values(state.observer)
     if state.picked is not None:
         view |= {"picked": [float(share) for share in state.picked], "picked_outside": state.picked_outside}
+        if state.point is not None:
+            view["point"] = [float(value) for value in state.point]
     if state.views:
         view["views"] = [eye_values(each) for each in state.views]
     return view
@@ -64,7 +68,7 @@ def state_of(opened: Opened) -> State:
     plain = State(opened.camera, first, Half(REFERENCE), values=values_of(opened.edits))
     if table is None:
         return plain
-    table.only(*view_of(plain), "observer", "picked", "picked_outside", "views")
+    table.only(*view_of(plain), "observer", "picked", "picked_outside", "point", "views")
     return replace(
         plain,
         first=Half(first.method, Aspect(table.choice("aspect", Aspect, Aspect.IMAGE))),
@@ -81,6 +85,7 @@ def state_of(opened: Opened) -> State:
         help=table.flag("help", plain.help),
         picked=_picked(table),
         picked_outside=_picked_outside(table),
+        point=_point(table),
         views=views_of(table),
     )
 
@@ -146,3 +151,11 @@ def _picked_outside(table: Table) -> bool:
     if outside and missing:
         table.wrong("picked_outside", f"picked_outside needs {missing[0]}; give it too, or leave picked_outside out")
     return outside
+
+
+def _point(table: Table) -> Vector | None:
+    if "point" not in table.values:
+        return None
+    if "picked" not in table.values:
+        table.wrong("point", "point needs picked; give it too, or leave point out")
+    return table.vector("point", ORIGIN)

@@ -14,13 +14,14 @@ from scenes import CAMERA, scene_with, spherical_mirror
 from anamorph import gallery
 from anamorph.measure.errors import Statistics
 from anamorph.methods import Specification
+from anamorph.reflections.reflection_points import ReflectionStatus
 from anamorph.scene.camera import Camera
 from anamorph.scene.model import Glass, Scene
 from anamorph.viewer.controls import scene_controls
-from anamorph.viewer.facts import Facts, Figures, Inspection, Progress, Request, Stop
+from anamorph.viewer.facts import Facts, Figures, Inspection, Progress, Reflection, Reflections, Request, Stop
 from anamorph.viewer.layout import image_area
 from anamorph.viewer.observer import first_observer
-from anamorph.viewer.panel import results
+from anamorph.viewer.panel import reflected, results
 from anamorph.viewer.panel.legend import half_caption
 from anamorph.viewer.panel.methods import (
     ASPECTS,
@@ -31,6 +32,7 @@ from anamorph.viewer.panel.methods import (
     UNITS,
     few_bounces,
 )
+from anamorph.viewer.panel.reflected import KNOWN
 from anamorph.viewer.panel.results import PATHS, SAVED
 from anamorph.viewer.panel.scene import SIDES, curvature_text
 from anamorph.viewer.panel.sheet import broken
@@ -42,7 +44,7 @@ SIZE = (800, 600)
 SIZES = [((640, 480), 1.0), ((800, 600), 2.0), ((1280, 720), 1.0), ((1920, 1080), 1.0)]
 FOLDED = ("section/views", "section/space", "section/quality", "section/save", "section/timing")
 BOXES = {"panel", "panel/body", "status", "notice", "help", "divider", "first/caption", "second/caption"}
-BOXES |= {f"{half}/{legend}" for half in ("first", "second") for legend in ("scale", "statuses")}
+BOXES |= {f"{half}/{legend}" for half in ("first", "second") for legend in ("scale", "statuses", "counts")}
 
 FIGURES = Figures(
     Statistics(0.04, 1.2, 123.4), Statistics(0.1, 2.3, 800.0), None, {"warped": 80.0, "total_reflection": 20.0}
@@ -51,6 +53,12 @@ SEEN = Inspection(
     (412, 233), Specification.parse("pervertex"), "box-3", (1.0, -2.0, 3.0), 4.0, "proved",
     (Stop("eye", (0.0, 1.0, 0.0)), Stop("mirror", (0.0, 0.0, 0.0)), Stop("a box of long name", (-1.0, 2.0, -12.0))),
     "a box with a very long name", 12.3, 4.5, True,
+)  # fmt: skip
+
+SHOWN = Reflections(
+    (1.0, -2.0, 3.0), (0.0, 1.0, 0.0), ReflectionStatus.MANY,
+    (Reflection("mirror", (0.0, 0.0, 0.0), (412.34, -20.75), 4.5, 1, False),
+     Reflection("other", (0.0, 0.0, 1.0), None, 5.25, -1, True)),
 )  # fmt: skip
 
 
@@ -85,6 +93,7 @@ def pressed(stage: Stage, *keys: str) -> State:
     [
         (["first/aspect/error"], {"first": Half(Specification.parse("pervertex"), Aspect.ERROR)}),
         (["first/aspect/status"], {"first": Half(Specification.parse("pervertex"), Aspect.STATUS)}),
+        (["first/aspect/counts"], {"first": Half(Specification.parse("pervertex"), Aspect.COUNTS)}),
         (["first/method", "first/method/environment"], {"first": Half(Specification.parse("environment"))}),
         (["first/options", "first/align"], {"first": Half(Specification.parse("pervertex:align=false"))}),
         (
@@ -128,6 +137,39 @@ def test_widgets_that_only_sometimes_show_change_their_own_field_too(opened) -> 
     state = pressed(stage, "first/aspect/error", "unit/px")
     assert (state.first.aspect, state.unit) == (Aspect.ERROR, "px")
     assert pressed(stage, "inspection/clear") == replace(state, picked=None)
+
+
+def test_the_table_of_reflection_points_tells_each_and_what_is_known(opened, monkeypatch) -> None:
+    rows: list[tuple[str, ...]] = []
+    monkeypatch.setattr(reflected, "row", lambda *cells: rows.append(cells))
+    words: list[str] = []
+    monkeypatch.setattr(reflected, "wrapped", lambda text, *_: words.append(text))
+    monkeypatch.setattr(reflected, "caption", words.append)
+    asked = {"picked": (0.5, 0.5), "point": (1.0, -2.0, 3.0), "drawings": frozenset({Drawing.REFLECTIONS})}
+    opened(told={"inspection": SEEN, "reflections": SHOWN}, **asked)
+    assert rows[-5:] == [
+        ("of the point, m", "1.000, \N{MINUS SIGN}2.000, 3.000"),
+        ("1  mirror", "4.500 m"),
+        ("    at 412.3, \N{MINUS SIGN}20.8", "right way round"),
+        ("2  other", "5.250 m"),
+        ("    behind the eye", "mirrored, hidden"),
+    ]
+    assert words[-1] == KNOWN[ReflectionStatus.MANY]
+    assert KNOWN.keys() == set(ReflectionStatus)
+    opened(told={"searching": True}, **asked)
+    assert words[-1] == "Searching …"
+    opened(**asked)
+    assert words[-1] == "None."
+    count = len(rows)
+    opened(told={"inspection": SEEN, "reflections": SHOWN}, picked=(0.5, 0.5))
+    assert len(rows) == count, "the drawing is not asked for"
+
+
+def test_the_legend_of_counts_stands_in_its_half(opened) -> None:
+    half = Half(Specification.parse("pervertex"), Aspect.COUNTS)
+    found = opened(split=True, second=half).drawn.rectangles
+    left, _, right, _ = image_area(SIZE, True)
+    assert found["second/counts"][0] >= (left + right) / 2.0 and "first/counts" not in found
 
 
 def test_views_are_shown_again_forgotten_and_gone_through(opened) -> None:
@@ -273,6 +315,7 @@ TOLD = {
     "message": "scene.toml: mesh 'mirror': " + "its radius must not be nought; give a radius in metres. " * 4,
     "progress": Progress("Comparison page", 3, 11),
     "inspection": SEEN,
+    "reflections": SHOWN,
     "figures": (FIGURES, None),
     "phases_ms": {"vertex rays": 1.2, "maps": 3.4},
     "frame_ms": 12.0,
@@ -289,6 +332,7 @@ def test_nothing_overlaps_and_all_lies_in_the_canvas_or_the_scrolled_panel(opene
     )
     stage = opened(size, ratio, told=TOLD, split=True, first=first, second=second, picked=(0.5, 0.5))
     stage.state = replace(stage.state, views=(CAMERA, replace(CAMERA, position=(-12345.678,) * 3)))
+    stage.state = replace(stage.state, drawings=frozenset({Drawing.REFLECTIONS}), point=(1.0, -2.0, 3.0))
     stage.press("first/options")
     pressed(stage, *FOLDED)
     found, canvas = stage.drawn.rectangles, (0.0, 0.0, *map(float, size))

@@ -11,4 +11,5 @@
 | what a method doubts, listed on the device and traced | `doubt`: `doubtful.wgsl`, `replaced.wgsl` |
 """
 
+from anamorph.methods.tracing.launch import GivenRays as GivenRays
 from anamorph.methods.tracing.paths import PathTracer as PathTracer

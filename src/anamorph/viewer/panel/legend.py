@@ -11,6 +11,7 @@ from itertools import pairwise
 from imgui_bundle import imgui
 
 from anamorph.measure.heatmap import STOPS
+from anamorph.viewer.counting import COUNT_COLORS
 from anamorph.viewer.facts import Rectangle
 from anamorph.viewer.measured import ERROR_COLORS, STATUS_COLORS, Color, scale_ticks
 from anamorph.viewer.panel import theme
@@ -60,7 +61,11 @@ def draw_legends(sheet: Sheet, state: State, free: Rectangle, area: Rectangle) -
         if half.aspect is Aspect.ERROR:
             _scale(sheet, f"{key}/scale", state.unit, free)
         elif half.aspect is Aspect.STATUS:
-            _statuses(sheet, f"{key}/statuses", free)
+            _named(
+                sheet, f"{key}/statuses", {name_text(each.name): color for each, color in STATUS_COLORS.items()}, free
+            )
+        elif half.aspect is Aspect.COUNTS:
+            _named(sheet, f"{key}/counts", COUNT_COLORS, free)
     return lowest
 
 
@@ -117,9 +122,8 @@ def _color_bar(unit: str, x: float, low: float) -> None:
         lines.add_text((x + BAR_WIDTH + GAP, y - LINE_HEIGHT / 2.0), color, tick)
 
 
-def _statuses(sheet: Sheet, key: str, free: Rectangle) -> None:
-    """How a pixel got its value, by colour."""
-    names = {name_text(status.name): color for status, color in STATUS_COLORS.items()}
+def _named(sheet: Sheet, key: str, names: Mapping[str, Color], free: Rectangle) -> None:
+    """What colours stand for: how a pixel got its value, or how often a vertex is seen."""
     across = max(_swatch_width(name) for name in names)
     below = PAD + LINE_HEIGHT * len(names)
     if (place := _fitted(free, across, below)) is None:

@@ -17,7 +17,7 @@ from anamorph.viewer.panel.sheet import Sheet, button, caption, checkbox, choice
 from anamorph.viewer.panel.wording import size_text
 from anamorph.viewer.state import REFERENCE, Aspect, Drawing, Half, State
 
-ASPECTS = ((Aspect.IMAGE, "Image"), (Aspect.ERROR, "Error"), (Aspect.STATUS, "Status"))
+ASPECTS = ((Aspect.IMAGE, "Image"), (Aspect.ERROR, "Error"), (Aspect.STATUS, "Status"), (Aspect.COUNTS, "Counts"))
 UNITS = (("mrad", "mrad"), ("px", "pixels"))
 SAMPLES = (("1", "1"), ("2", size_text((2, 2))), ("4", size_text((4, 4))), ("8", size_text((8, 8))))
 RESOLUTIONS = (("0.0", "auto"), ("1.0", "100 %"), ("0.75", "75 %"), ("0.5", "50 %"), ("0.25", "25 %"))
@@ -26,6 +26,7 @@ DRAWINGS = (
     (Drawing.HITS, "Hit balls", "A ball where the ray of each vertex meets the scene"),
     (Drawing.VIEWPOINT, "Virtual viewpoint", "The point that the bent rays come nearest to, and these rays"),
     (Drawing.VOLUME, "View volume", "What the map taken from the virtual viewpoint holds"),
+    (Drawing.REFLECTIONS, "Reflection points", "Where mirrors show the point that is clicked, all of them"),
 )
 
 WIDE = 20.0

@@ -19,6 +19,7 @@ from anamorph.viewer.panel.legend import draw_divider, draw_legends
 from anamorph.viewer.panel.methods import image_section, quality_section, space_section
 from anamorph.viewer.panel.notice import draw_notice
 from anamorph.viewer.panel.opening import opening_page, scene_button
+from anamorph.viewer.panel.reflected import draw_numbers
 from anamorph.viewer.panel.results import (
     figures_section,
     inspection_section,
@@ -94,6 +95,7 @@ def draw_panel(state: State, facts: Facts) -> Drawn:
     edge = area[0] if shown.panel else sheet.rectangles["panel/show"][2]
     lowest = draw_legends(sheet, shown, (edge, *area[1:]), area)
     _status_line(sheet, state, facts)
+    draw_numbers(state, facts, area)
     # The help may need all the space there is; messages wait.
     if state.help:
         state = draw_help(sheet, state, facts.size)
@@ -171,6 +173,7 @@ def _status_line(sheet: Sheet, state: State, facts: Facts) -> None:
         words.append(f"{facts.samples_done} of {facts.samples_total} samples")
     if facts.frame_ms:
         words.append(f"{facts.frame_ms:.0f} ms, {1000.0 / facts.frame_ms:.0f} images a second")
+    words += ["searching reflection points"] if facts.searching else []
     words += ["from outside"] if state.observer is not None else []
     words += [f"{state.eye} eye"] if state.eye is not EyeSide.MIDDLE else []
     words += [f"{len(state.views)} view{'s' * (len(state.views) > 1)} remembered"] if state.views else []

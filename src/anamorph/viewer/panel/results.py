@@ -8,6 +8,7 @@ from imgui_bundle import imgui
 from anamorph.measure.errors import Statistics
 from anamorph.viewer.facts import Facts, Inspection, Request
 from anamorph.viewer.panel import theme
+from anamorph.viewer.panel.reflected import reflections_table
 from anamorph.viewer.panel.sheet import Sheet, button, caption, field_width, row, section, wrapped
 from anamorph.viewer.panel.wording import (
     NOT_MEASURED,
@@ -19,7 +20,7 @@ from anamorph.viewer.panel.wording import (
     size_text,
 )
 from anamorph.viewer.remembered import LEAST
-from anamorph.viewer.state import Aspect, State, with_picked
+from anamorph.viewer.state import Aspect, Drawing, State, with_picked
 
 SAVED = (
     (Request.SAVE_IMAGE, "Image", "The image as it is seen, without the panel"),
@@ -50,6 +51,8 @@ def inspection_section(sheet: Sheet, state: State, facts: Facts) -> State:
         return state
     if fresh:
         imgui.set_scroll_here_y(0.0)
+    if state.picked and Drawing.REFLECTIONS in state.drawings:
+        reflections_table(facts)
     if facts.inspection is None:
         caption("Measuring …" if state.picked else "Click into the image to look into a pixel.")
     else:

@@ -33,6 +33,7 @@ GUTTER = 22.0
 """Kept free at the right of every field, for the sign that sets it back."""
 
 _FONTS = Path(imgui_bundle.__file__).parent / "assets" / "fonts"
+REGULAR = _FONTS / "Roboto" / "Roboto-Regular.ttf"
 
 
 def set_theme() -> None:
@@ -42,7 +43,7 @@ def set_theme() -> None:
     come with the bindings. Letters are drawn as sharp as the canvas is, whatever its pixel ratio.
     """
     fonts = imgui.get_io().fonts
-    fonts.add_font_from_file_ttf(str(_FONTS / "Roboto" / "Roboto-Regular.ttf"), LETTERS)
+    fonts.add_font_from_file_ttf(str(REGULAR), LETTERS)
     merged = imgui.ImFontConfig()
     merged.merge_mode = True
     fonts.add_font_from_file_ttf(str(_FONTS / "Inconsolata-Medium.ttf"), LETTERS, merged)

@@ -24,6 +24,7 @@ from anamorph.methods.trilinear.straight import edges
 from anamorph.methods.virtual import (
     cube_search,
     device_search,
+    grid_search,
     meeting_rays,
     reflector_maps,
     tile_tree,
@@ -59,7 +60,8 @@ RECORDS = [
     ("methods/threeray", "Owner", splat_records.OWNER, {}),
     ("methods/virtual", "SceneTriangle", triangle_records.SCENE_TRIANGLE, {}),
     ("methods/virtual", "TileRays", tile_tree.TILE_RAYS, {}),
-    ("methods/virtual", "Search", device_search.SEARCH, {"padding": "padding_0"}),
+    ("methods/virtual", "GridVertex", grid_search.GRID_VERTEX, {}),
+    ("methods/virtual", "Search", device_search.SEARCH, {}),
     ("methods/virtual", "MapTexel", device_search.MAP_TEXEL, {"padding_0": None, "padding_1": None}),
     ("methods/virtual", "Reflected", cube_search.REFLECTED, {}),
     ("methods/trilinear", "RayTriangle", ray_records.RAY_TRIANGLE, {"padding": None}),

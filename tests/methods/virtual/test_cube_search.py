@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from reflectors import BALL, EYE, small_things
 from scenes import CAMERA, drawn, flat_mirror, open_view, scene_with, spherical_mirror, surroundings
 
 from anamorph.base.errors import AnamorphError
@@ -22,11 +23,8 @@ from anamorph.methods.virtual.reflector_maps import FlatReflector, ReflectorMaps
 from anamorph.reflections.charts import chart_of
 from anamorph.reflections.searching import MirrorSearch
 from anamorph.scene.geometry import flatten
-from anamorph.scene.model import Diffuse, Scene, Sky
+from anamorph.scene.model import Scene, Sky
 
-EYE = np.array([0.3, 0.2, 4.0])
-
-BALL = mirror_ball("ball", (0.1, 0.0, 0.2), 1.0, rows=24, columns=36)
 PLAIN = replace(BALL, surface=None, parameters=None)
 
 
@@ -196,14 +194,6 @@ def dented():
     positions = PLAIN.positions.copy()
     positions[:, 1] = np.where(positions[:, 1] > 0.6, 1.2 - positions[:, 1], positions[:, 1])
     return replace(PLAIN, positions=positions)
-
-
-def small_things() -> tuple:
-    """Finely cut things around a small ball, so that straight edges show them well."""
-    ball = mirror_ball("thing", (0.45, 0.55, 0.5), 0.12, rows=24, columns=36)
-    other = mirror_ball("other", (-0.35, 0.75, 0.4), 0.1, rows=24, columns=36)
-    plain = [replace(each, surface=None, parameters=None) for each in (ball, other)]
-    return replace(plain[0], material=Diffuse((0.8, 0.2, 0.1))), replace(plain[1], material=Diffuse((0.1, 0.3, 0.8)))
 
 
 def test_finely_cut_things_are_seen_where_rays_see_them():

@@ -19,6 +19,8 @@ With `search=cubemap`, the paper's way, vertices look for their one reflection p
 | --- | --- | --- |
 | 4.1 | cube maps of a reflector's positions and normals | `reflector_maps` |
 | 4.2, 4.3, 6.1 | the search on these maps, also for what a reflector hides | `cube_search`, `device_search` |
+| 5 | grids, between whose corners vertices are interpolated | `mesh_grid`, `octree` |
+| | which vertices are searched for | `grid_search`, `interpolated.wgsl` |
 | 3 | draw the virtual objects, and put them where the mirrors are seen | `virtual_meshes`, `shown_meshes.wgsl` |
 | | a frame of both | `virtual` |
 """

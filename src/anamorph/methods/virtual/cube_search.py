@@ -26,6 +26,9 @@ from anamorph.methods.virtual.reflector_maps import BORDER, ReflectorMaps
 REFLECTED = np.dtype([("place", "f4", 3), ("error", "f4"), ("behind", "f4", 3), ("length", "f4")])
 """`Reflected` of cube_search.wgsl."""
 
+SHOWN, HIDDEN, WITHIN = 0.0, 1.0, 2.0
+"""Of a point: the reflector shows it, or hides it, or it is inside."""
+
 DIFFERENT, ALIKE = 0.4, 0.2
 
 LARGEST_STEP, LEAST_STEP = 2.0, 1.0 / 64.0
@@ -42,8 +45,8 @@ def search(maps: ReflectorMaps, eye: np.ndarray, points: np.ndarray, iterations:
     -------
     found : (N, 12) float64
         The place on the reflector, the normal there, the virtual point behind it, the length of the path, the error,
-        and 1 where the reflector hides the point, 2 where the point is inside of it. Metres. The virtual point of a
-        hidden one is its mirror image in the tangent plane, so that virtual objects go on beyond the horizon.
+        and `SHOWN`, `HIDDEN` or `WITHIN`. Metres. The virtual point of a hidden one is its mirror image in the tangent
+        plane, so that virtual objects go on beyond the horizon.
     """
     found = np.empty((len(points), 12))
     center, side = np.asarray(maps.center, float), 1.0 if maps.outside else -1.0
@@ -85,10 +88,10 @@ def _search_all(
         behind = seen if hidden else along(p, far / max(away, 1e-300), from_eye)
         for k in range(3):
             found[i, k], found[i, 3 + k], found[i, 6 + k] = p[k], n[k], behind[k]
-        found[i, 9], found[i, 10], found[i, 11] = away + far, 0.5 * (1.0 - dot(b, n)), 1.0 if hidden else 0.0
+        found[i, 9], found[i, 10], found[i, 11] = away + far, 0.5 * (1.0 - dot(b, n)), HIDDEN if hidden else SHOWN
         own = lookup(positions, point)
         if side > 0.0 and dot(point, point) < dot(own, own):
-            found[i, 11] = 2.0
+            found[i, 11] = WITHIN
 
 
 @compiled

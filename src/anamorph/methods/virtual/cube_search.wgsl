@@ -8,6 +8,8 @@ const LARGEST_STEP = 2.0;
 const LEAST_STEP = 0.015625;
 const FIRST_STEP = 1.0;
 const LEAST = 1e-30;
+// In place of a length.
+const UNKNOWN = 3e38;
 
 struct Search {
     // The eye and the world's place of the middle; all else is less that place. Metres.
@@ -19,8 +21,9 @@ struct Search {
     size: i32,
     iterations: u32,
     count: u32,
-    padding_0: u32,
-    padding_1: u32,
+    // 1 where only points are searched for whose length is UNKNOWN.
+    rest: u32,
+    padding: u32,
 }
 
 struct MapTexel {
@@ -117,7 +120,7 @@ fn is_within(point: vec3f) -> bool {
 
 @compute @workgroup_size(64)
 fn search_points(@builtin(global_invocation_id) number: vec3u) {
-    if number.x >= search.count {
+    if number.x >= search.count || (search.rest == 1u && reflected[number.x].length != UNKNOWN) {
         return;
     }
     let point = points[number.x].xyz - search.center;

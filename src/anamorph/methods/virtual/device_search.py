@@ -15,7 +15,7 @@ from anamorph.methods.virtual.reflector_maps import FlatReflector, ReflectorMaps
 SEARCH = np.dtype(
     [
         ("eye", "f4", 3), ("side", "f4"), ("center", "f4", 3), ("size", "i4"),
-        ("iterations", "u4"), ("count", "u4"), ("padding", "u4", 2),
+        ("iterations", "u4"), ("count", "u4"), ("rest", "u4"), ("padding", "u4"),
     ]
 )  # fmt: skip
 """`Search` of cube_search.wgsl."""
@@ -54,6 +54,9 @@ class DeviceSearch:
         From `packed_points`.
     count : int
         How many there are.
+    reflected : buffer, optional
+        Where what is found goes, if it is not the search's own. Only those points are then searched for whose length
+        there is not known.
 
     Attributes
     ----------
@@ -61,8 +64,14 @@ class DeviceSearch:
         What was found, (count,) of REFLECTED.
     """
 
-    def __init__(self, maps: ReflectorMaps | FlatReflector, points: wgpu.GPUBuffer, count: int) -> None:
-        self._maps, self._count = maps, count
+    def __init__(
+        self,
+        maps: ReflectorMaps | FlatReflector,
+        points: wgpu.GPUBuffer,
+        count: int,
+        reflected: wgpu.GPUBuffer | None = None,
+    ) -> None:
+        self._maps, self._count, self._rest = maps, count, int(reflected is not None)
         if isinstance(maps, FlatReflector):
             texels = np.zeros(1, MAP_TEXEL)
             texels["normal"] = maps.normal
@@ -73,7 +82,9 @@ class DeviceSearch:
             self._side, self._size = 1.0 if maps.outside else -1.0, maps.size
         given = wgpu.BufferUsage.UNIFORM | wgpu.BufferUsage.COPY_DST
         self._uniform = get_device().create_buffer(size=SEARCH.itemsize, usage=given)
-        self.reflected = storage_buffer(np.zeros(max(count, 1), REFLECTED), wgpu.BufferUsage.COPY_SRC)
+        if reflected is None:
+            reflected = storage_buffer(np.zeros(max(count, 1), REFLECTED), wgpu.BufferUsage.COPY_SRC)
+        self.reflected = reflected
         self._group = bind(_layout(), [self._uniform, storage_buffer(texels), points, self.reflected])
 
     def record(self, encoder: wgpu.GPUCommandEncoder, eye: np.ndarray, iterations: int) -> None:
@@ -81,7 +92,7 @@ class DeviceSearch:
         search = np.zeros(1, SEARCH)
         search["eye"], search["center"] = eye - self._maps.center, self._maps.center
         search["side"], search["size"] = self._side, self._size
-        search["iterations"], search["count"] = iterations, self._count
+        search["iterations"], search["count"], search["rest"] = iterations, self._count, self._rest
         get_device().queue.write_buffer(self._uniform, 0, search)
         compute_pass = encoder.begin_compute_pass()
         compute_pass.set_pipeline(_pipeline())

@@ -10,7 +10,6 @@ from collections.abc import Generator
 from dataclasses import dataclass, replace
 from functools import partial
 
-import numpy as np
 import wgpu
 
 from anamorph.base.errors import AnamorphError
@@ -24,6 +23,7 @@ from anamorph.methods.session import Session
 from anamorph.methods.stage import Stage
 from anamorph.methods.tracing.doubt import DoubtTracer
 from anamorph.methods.tracing.paths import specular_rectangle
+from anamorph.methods.virtual.grid_search import GridKind
 from anamorph.methods.virtual.leaving_rays import LeavingRays
 from anamorph.methods.virtual.meeting_rays import MeetingRays
 from anamorph.methods.virtual.moving_scene import MovingScene
@@ -54,6 +54,12 @@ class Options:
         Steps of the search on cube maps.
     face : int
         Texels along each side of the cube maps' faces.
+    grid : str
+        With the paper's search, which vertices are searched for. "none": all. "regular": the corners of a grid around
+        each mesh, between which its vertices are interpolated. "adaptive": grids that divide themselves until that is
+        right to half a pixel.
+    share : float
+        The cells of a regular grid, as a share of its mesh's vertices.
     """
 
     bounces: int = option(8, low=1, high=255)
@@ -61,6 +67,8 @@ class Options:
     search: str = option("tiles", choices=("tiles", "cubemap"))
     iterations: int = option(9, low=0, high=1000)
     face: int = option(128, low=4, high=1024)
+    grid: str = option("none", choices=("none", "regular", "adaptive"))
+    share: float = option(0.096, low=1e-6, high=1.0)
 
 
 class VirtualDrawing(FindingDrawing):
@@ -91,9 +99,10 @@ class VirtualDrawing(FindingDrawing):
         for line in range(len(self.visibility.textures)):
             leaving = LeavingRays(stage.buffers, exact, size, line)
             self._lines.append((leaving, MeetingRays(stage, leaving, *self._moving.buffers, size)))
-        self._iterations, self._objects = options.iterations, None
+        self._objects: VirtualMeshes | None = None
         if options.search == "cubemap":
-            self._objects = VirtualMeshes(stage, bodies, self._lines[0][0], size, options.face)
+            kind = GridKind(options.grid, options.share, options.iterations)
+            self._objects = VirtualMeshes(stage, bodies, self._lines[0][0], size, options.face, kind)
         self._caster = Caster(geometry)
         self._doubt = DoubtTracer(stage, self.visibility, self._caster, options.bounces)
         # What was looked at when rays left, and when they met what stands still.
@@ -136,8 +145,7 @@ class VirtualDrawing(FindingDrawing):
         assert self._objects is not None
         self._lines[0][0].leave(encoder, self.projection, self._meshes[0])
         depth = self.depth_of(encoder, target)
-        eye = np.asarray(camera.position, float)
-        self._objects.draw(encoder, self.projection, eye, self._iterations, self.visibility, depth)
+        self._objects.draw(encoder, self.projection, camera, self.visibility, depth)
         return (yield from self._doubt.tracing(encoder, depth, self.projection, camera, shift))
 
     def _finding(
@@ -165,17 +173,21 @@ class VirtualDrawing(FindingDrawing):
         return (yield from self._doubt.tracing(encoder, depth, self.projection, camera, shift))
 
     def figures(self) -> dict[str, float]:
-        """How many triangles tiles were asked of, and how many samples were traced."""
-        asked = sum(meeting.asked for _, meeting in self._lines)
-        return {"asked": float(asked), "traced": float(self._doubt.traced)}
+        """How many triangles tiles were asked of or points searched for, and how many samples were traced."""
+        traced = {"traced": float(self._doubt.traced)}
+        if self._objects is not None:
+            return {"searches": float(self._objects.searches), **traced}
+        return {"asked": float(sum(meeting.asked for _, meeting in self._lines)), **traced}
 
 
 def open_session(view: View, options: Options) -> Session:
     """Start drawing `view` by virtual objects."""
     check_options("virtual", options)
-    for name in ("iterations", "face"):
+    for name in ("iterations", "face", "grid", "share"):
         if options.search != "cubemap" and getattr(options, name) != getattr(Options, name):
             raise AnamorphError(f"virtual: {name} is for the paper's search; leave it out, or give search=cubemap")
+    if options.grid != "regular" and options.share != Options.share:
+        raise AnamorphError("virtual: share is for regular grids; leave it out, or give grid=regular")
     stage = Stage(view)
     middles = partial(open_session, view, replace(options, antialias=1))
     return Session(stage, VirtualDrawing(stage, options), options.antialias, middles)

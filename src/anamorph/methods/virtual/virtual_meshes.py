@@ -11,16 +11,17 @@ import wgpu
 
 from anamorph.gpu.bindings import STORAGE, bind, depths, layout_of, numbers
 from anamorph.gpu.buffers import storage_buffer
-from anamorph.gpu.device import get_device, of_device
+from anamorph.gpu.device import of_device
 from anamorph.gpu.drawing import ProjectionUniform, bind_scene, make_pipeline
 from anamorph.gpu.shaders import shader_module
 from anamorph.gpu.targets import begin_pass, make_target
 from anamorph.gpu.visibility import TEXEL_FORMAT, VisibilityBuffer
 from anamorph.methods.stage import Stage
-from anamorph.methods.virtual.device_search import DeviceSearch, packed_points
+from anamorph.methods.virtual.grid_search import GridKind, GridSearch
 from anamorph.methods.virtual.leaving_rays import LeavingRays
 from anamorph.methods.virtual.reflector_maps import reflector_maps
 from anamorph.optics.ray_meshes import Body
+from anamorph.scene.camera import Camera
 from anamorph.scene.geometry import Geometry
 
 
@@ -48,6 +49,8 @@ class VirtualMeshes:
         Samples.
     face : int
         Texels along each side of a cube map's face.
+    kind : GridKind
+        Which vertices are searched for.
 
     Raises
     ------
@@ -56,17 +59,21 @@ class VirtualMeshes:
     """
 
     def __init__(
-        self, stage: Stage, bodies: tuple[Body, ...], leaving: LeavingRays, size: tuple[int, int], face: int
+        self,
+        stage: Stage,
+        bodies: tuple[Body, ...],
+        leaving: LeavingRays,
+        size: tuple[int, int],
+        face: int,
+        kind: GridKind,
     ) -> None:
-        self._stage = stage
-        scene, positions = stage.view.scene, stage.geometry.positions
-        self._points, self._count = storage_buffer(packed_points(positions)), len(positions)
+        self._stage, scene = stage, stage.view.scene
         body_of = np.zeros(len(scene.meshes) + 1, np.uint32)
-        self._searches: list[DeviceSearch] = []
+        self._searches: list[GridSearch] = []
         for body in bodies:
             if not body.sides[0].refracts:
                 maps = reflector_maps(tuple(scene.meshes[mesh] for mesh in body.meshes), face)
-                self._searches.append(DeviceSearch(maps, self._points, self._count))
+                self._searches.append(GridSearch(maps, body.meshes, stage.geometry, kind))
                 body_of[np.array(body.meshes) + 1] = len(self._searches)
         numbered = storage_buffer(body_of)
         self._drawn = make_target(size, (TEXEL_FORMAT, TEXEL_FORMAT))
@@ -85,20 +92,20 @@ class VirtualMeshes:
 
     def moved(self, geometry: Geometry) -> None:
         """Follow the scene's vertices."""
-        get_device().queue.write_buffer(self._points, 0, packed_points(geometry.positions))
+        for search in self._searches:
+            search.moved(geometry)
 
     def draw(
         self,
         encoder: wgpu.GPUCommandEncoder,
         projection: ProjectionUniform,
-        eye: np.ndarray,
-        iterations: int,
+        camera: Camera,
         visibility: VisibilityBuffer,
         depth: wgpu.GPUTextureView,
     ) -> None:
-        """Record the search for an eye at (3,), and the objects where mirrors and lenses are not behind `depth`."""
+        """Record the search for a camera's eye, and the objects where mirrors and lenses are not behind `depth`."""
         for search in self._searches:
-            search.record(encoder, eye, iterations)
+            search.record(encoder, camera, self._stage.view.size)
         render_pass = begin_pass(encoder, self._drawn)
         bind_scene(render_pass, self._stage.buffers, projection)
         for number, group in enumerate(self._groups, start=1):
@@ -117,9 +124,10 @@ class VirtualMeshes:
                 render_pass.draw(3)
             render_pass.end()
 
-    def reflected(self, body: int) -> np.ndarray:
-        """Read what the search has found on a body for all vertices, (V,) of REFLECTED."""
-        return self._searches[body].found()
+    @property
+    def searches(self) -> int:
+        """How many points were searched for last, on all reflectors."""
+        return sum(search.searches for search in self._searches)
 
 
 def _drawing_pipeline(body: int) -> wgpu.GPURenderPipeline:

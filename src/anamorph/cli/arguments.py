@@ -219,6 +219,12 @@ def make_parser() -> argparse.ArgumentParser:
     editing = benchmark("editing", "time a step of a slider in scenes of up to a million triangles")
     editing.add_argument("--size", metavar="WxH", type=_size, help=size)
     editing.add_argument("--steps", metavar="N", type=_timed_frames, default=9, help="how many are timed (9)")
+    about = "make the measurements of Estalella et al. again, and those of virtual on all reflectors"
+    virtual = benchmark("virtual", about)
+    virtual.add_argument("--size", metavar="WxH", type=_size, help=size)
+    virtual.add_argument("--frames", metavar="N", type=_timed_frames, default=12, help="how many are timed (12)")
+    parts = "kitchen, reflectors or moving; may be repeated (all)"
+    virtual.add_argument("--part", metavar="PART", action="append", help=parts)
     papers = {
         "trilinear": ("make the measurements of Vallance's thesis again", "random, clipping, configurations, ..."),
         "threeray": ("make the measurements of Mei, Popescu and Sacks again", "trees, frames or growth"),

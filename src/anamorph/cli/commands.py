@@ -254,6 +254,19 @@ def _bench_threeray(arguments: argparse.Namespace) -> None:
     print(f"{len(written)} files are in {arguments.output}")
 
 
+def _bench_virtual(arguments: argparse.Namespace) -> None:
+    from anamorph.bench.virtual_objects import virtual_tables
+    from anamorph.files.scene_file import DEFAULT_SIZE
+    from anamorph.measure.table import print_table
+
+    methods = [str(method) for method in arguments.method or ()]
+    with progress_bar("timing virtual objects") as report:
+        size = arguments.size or DEFAULT_SIZE
+        tables = virtual_tables(methods, size, arguments.frames, arguments.part or (), report)
+    for table in tables:
+        print_table(table)
+
+
 def _scenes(arguments: argparse.Namespace) -> None:
     from anamorph.gallery import SCENES
 
@@ -318,6 +331,7 @@ COMMANDS = {
     "bench editing": _bench_editing,
     "bench threeray": _bench_threeray,
     "bench trilinear": _bench_trilinear,
+    "bench virtual": _bench_virtual,
     "scenes": _scenes,
     "info": _info,
     "demo": _demo,

@@ -209,7 +209,7 @@ def test_object_and_status_share_a_number_as_the_session_takes_it_apart():
         ("methods/virtual", "TRACED", meeting_rays.TRACED), ("methods/virtual", "BORDER", reflector_maps.BORDER),
         *(
             ("methods/virtual", name, getattr(cube_search, name))
-            for name in ("DIFFERENT", "ALIKE", "LARGEST_STEP", "LEAST_STEP", "FIRST_STEP")
+            for name in ("DIFFERENT", "ALIKE", "LARGEST_STEP", "LEAST_STEP", "FIRST_STEP", "CUTS")
         ),
         ("methods/trilinear", "SPECULAR", ray_records.SPECULAR), ("raytriangle", "OUTERMOST", solve.OUTERMOST),
     ],

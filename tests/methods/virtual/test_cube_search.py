@@ -20,6 +20,7 @@ from anamorph.gpu.drawing import submit
 from anamorph.methods.virtual.cube_search import bisector, lookup, search
 from anamorph.methods.virtual.device_search import DeviceSearch, packed_points
 from anamorph.methods.virtual.reflector_maps import FlatReflector, ReflectorMaps, reflector_maps, texel_directions
+from anamorph.rays.caster import Caster
 from anamorph.reflections.charts import chart_of
 from anamorph.reflections.searching import MirrorSearch
 from anamorph.scene.geometry import flatten
@@ -109,6 +110,47 @@ def test_hidden_points_are_mirrored_where_the_way_to_them_enters():
     assert (inside[:, 11] == 2.0).all()
     device = on_device(reflector_maps((BALL,), 128), EYE, np.concatenate([points[hidden], center + 0.9 * unit]), 40)
     assert (np.sign(device["length"]) == np.repeat([-1.0, 0.0], hidden.sum())).all()
+
+
+def test_what_a_long_body_hides_is_told_by_the_way_through_it():
+    """A kettle's middle is not where a way passes it most closely."""
+    kettle = next(mesh for mesh in make("kitchen").meshes if mesh.name == "kettle")
+    long = replace(
+        kettle, positions=kettle.positions * [3.0, 0.6, 1.0], normals=kettle.normals, surface=None, parameters=None
+    )
+    slopes = long.normals / [3.0, 0.6, 1.0]
+    long = replace(long, normals=(slopes / np.linalg.norm(slopes, axis=1, keepdims=True)).astype(np.float32))
+    maps = reflector_maps((long,), 128)
+    eye = maps.center + np.array([0.5, 0.3, 0.9])
+    points = maps.center + np.random.default_rng(5).normal(size=(4000, 3)) * [0.8, 0.3, 0.8]
+    way = points - eye
+    length = np.linalg.norm(way, axis=1)
+    hits = Caster(flatten(Scene("long", (long,), CAMERA))).cast(np.tile(eye, (len(points), 1)), way / length[:, None])
+    met = (hits.triangle >= 0) & (hits.distance < length)
+    assert 100 < met.sum() < 3000
+    told = search(maps, eye, points, 0)[:, 11]
+    assert ((told > 0.0) != met).mean() < 2e-3
+    device = on_device(maps, eye, points, 0)
+    assert ((device["length"] <= 0.0) != met).mean() < 2e-3
+
+
+def test_maps_of_a_nurbs_body_hold_the_exact_surface():
+    kettle = next(mesh for mesh in make("kitchen").meshes if mesh.name == "kettle")
+    maps = reflector_maps((kettle,), 16)
+    points, normals = (maps.center + maps.positions).reshape(-1, 3), maps.normals.reshape(-1, 3)
+    near = kettle.parameters[np.linalg.norm(points[:, None] - kettle.positions, axis=2).argmin(axis=1)]
+    places = kettle.surface.parameters(points, near)
+    assert np.percentile(np.linalg.norm(kettle.surface.position(places) - points, axis=1), 99) < 1e-7
+    assert np.percentile(np.linalg.norm(kettle.surface.normal(places) - normals, axis=1), 99) < 1e-5
+
+
+def test_the_device_finds_what_the_twin_finds_in_a_bowl():
+    maps = reflector_maps((inside_out(BALL),), 128)
+    eye = maps.center + np.array([0.1, 0.2, 0.3])
+    points = maps.center + 0.4 * np.random.default_rng(7).normal(size=(500, 3))
+    found, twin = on_device(maps, eye, points, 9), search(maps, eye, points, 9)
+    apart = np.linalg.norm(found["place"] - twin[:, :3], axis=1)
+    assert np.median(apart) < 1e-4 and (found["length"] > 0.0).all()
 
 
 def test_of_a_reflector_in_front_of_the_eye_what_is_straight_ahead_is_in_the_middle():

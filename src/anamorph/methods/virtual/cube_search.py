@@ -31,6 +31,9 @@ SHOWN, HIDDEN, WITHIN = 0.0, 1.0, 2.0
 
 DIFFERENT, ALIKE = 0.4, 0.2
 
+CUTS = 16
+"""Of the way to a point, until it is in the reflector or nearest to it."""
+
 LARGEST_STEP, LEAST_STEP = 2.0, 1.0 / 64.0
 
 FIRST_STEP = 1.0
@@ -54,7 +57,7 @@ def search(maps: ReflectorMaps, eye: np.ndarray, points: np.ndarray, iterations:
     sought = np.asarray(points, float) - center
 
     def work(start: int, stop: int) -> None:
-        _search_all(maps.positions, maps.normals, side, origin, sought, iterations, start, stop, found)
+        _search_all(maps.positions, maps.normals, side, maps.reach, origin, sought, iterations, start, stop, found)
 
     over_all_cores(work, len(points), GRAIN)
     found[:, :3] += center
@@ -67,6 +70,7 @@ def _search_all(
     positions: np.ndarray,
     normals: np.ndarray,
     side: float,
+    reach: float,
     eye: Vector,
     points: np.ndarray,
     iterations: int,
@@ -76,7 +80,7 @@ def _search_all(
 ) -> None:
     for i in range(start, stop):
         point = (points[i, 0], points[i, 1], points[i, 2])
-        hidden = side > 0.0 and is_hidden(positions, eye, point)
+        hidden = side > 0.0 and is_hidden(positions, reach, eye, point)
         place = _settled(positions, normals, side, eye, point, hidden, iterations)
         p, n = lookup(positions, place), unit(lookup(normals, place))
         seen = mirrored(point, p, n) if hidden else point
@@ -89,8 +93,7 @@ def _search_all(
         for k in range(3):
             found[i, k], found[i, 3 + k], found[i, 6 + k] = p[k], n[k], behind[k]
         found[i, 9], found[i, 10], found[i, 11] = away + far, 0.5 * (1.0 - dot(b, n)), HIDDEN if hidden else SHOWN
-        own = lookup(positions, point)
-        if side > 0.0 and dot(point, point) < dot(own, own):
+        if side > 0.0 and depth_in(positions, point) < 1.0:
             found[i, 11] = WITHIN
 
 
@@ -157,13 +160,32 @@ def mirrored(point: Vector, p: Vector, n: Vector) -> Vector:
 
 
 @compiled
-def is_hidden(positions: np.ndarray, eye: Vector, point: Vector) -> bool:
-    """Whether a convex reflector stands between the eye and a point: where the way passes its middle most closely."""
+def depth_in(positions: np.ndarray, point: Vector) -> float:
+    """How far a point is from the middle, where the reflector is 1."""
+    surface = lookup(positions, point)
+    return math.sqrt(dot(point, point)) / max(math.sqrt(dot(surface, surface)), 1e-300)
+
+
+@compiled
+def is_hidden(positions: np.ndarray, reach: float, eye: Vector, point: Vector) -> bool:
+    """Whether a convex reflector, no farther from its middle than `reach`, stands between the eye and a point.
+
+    Along a line the depths in a convex body have one minimum.
+    """
     way = along(point, -1.0, eye)
-    share = -dot(eye, way) / max(dot(way, way), 1e-300)
-    nearest = along(eye, min(max(share, 0.0), 1.0), way)
-    surface = lookup(positions, nearest)
-    return share > 0.0 and dot(nearest, nearest) < dot(surface, surface)
+    nearest = along(eye, min(max(-dot(eye, way) / max(dot(way, way), 1e-300), 0.0), 1.0), way)
+    if math.sqrt(dot(nearest, nearest)) >= reach:
+        return False
+    low, high, cut = 0.0, 1.0, 0
+    while cut < CUTS and depth_in(positions, along(eye, 0.5 * (low + high), way)) >= 1.0:
+        third = (high - low) / 3.0
+        if depth_in(positions, along(eye, low + third, way)) < depth_in(positions, along(eye, high - third, way)):
+            high -= third
+        else:
+            low += third
+        cut += 1
+    between = along(eye, 0.5 * (low + high), way)
+    return depth_in(positions, between) < 1.0
 
 
 @compiled

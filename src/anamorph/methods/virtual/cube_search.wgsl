@@ -8,6 +8,8 @@ const LARGEST_STEP = 2.0;
 const LEAST_STEP = 0.015625;
 const FIRST_STEP = 1.0;
 const LEAST = 1e-30;
+// Of the way to a point, until it is in the reflector or nearest to it.
+const CUTS = 16;
 // In place of a length.
 const UNKNOWN = 3e38;
 
@@ -23,7 +25,8 @@ struct Search {
     count: u32,
     // 1 where only points are searched for whose length is UNKNOWN.
     rest: u32,
-    padding: u32,
+    // How far the reflector is from its middle at most.
+    reach: f32,
 }
 
 struct MapTexel {
@@ -93,12 +96,30 @@ fn toward(found: MapTexel, point: vec3f, hidden: bool) -> vec3f {
     return search.side * length(found.position) * (b - found.normal);
 }
 
-// Whether a convex reflector stands between the eye and a point: where the way passes its middle most closely.
+// How far a point is from the middle, where the reflector is 1.
+fn depth_in(point: vec3f) -> f32 {
+    return length(point) / max(length(lookup(point).position), LEAST);
+}
+
+// Whether a convex reflector stands between the eye and a point. Along a line such depths have one minimum.
 fn is_hidden(point: vec3f) -> bool {
     let way = point - search.eye;
-    let share = -dot(search.eye, way) / max(dot(way, way), LEAST);
-    let nearest = search.eye + clamp(share, 0.0, 1.0) * way;
-    return search.side > 0.0 && share > 0.0 && length(nearest) < length(lookup(nearest).position);
+    let nearest = search.eye + clamp(-dot(search.eye, way) / max(dot(way, way), LEAST), 0.0, 1.0) * way;
+    if search.side <= 0.0 || length(nearest) >= search.reach {
+        return false;
+    }
+    var low = 0.0;
+    var high = 1.0;
+    for (var cut = 0; cut < CUTS && depth_in(search.eye + 0.5 * (low + high) * way) >= 1.0; cut++) {
+        let third = (high - low) / 3.0;
+        if depth_in(search.eye + (low + third) * way) < depth_in(search.eye + (high - third) * way) {
+            high -= third;
+        } else {
+            low += third;
+        }
+    }
+    let between = 0.5 * (low + high);
+    return depth_in(search.eye + between * way) < 1.0;
 }
 
 // A plane needs no search.
@@ -115,7 +136,7 @@ fn in_plane(point: vec3f) -> Reflected {
 
 // Whether a point is inside of a convex reflector.
 fn is_within(point: vec3f) -> bool {
-    return search.side > 0.0 && length(point) < length(lookup(point).position);
+    return search.side > 0.0 && depth_in(point) < 1.0;
 }
 
 @compute @workgroup_size(64)

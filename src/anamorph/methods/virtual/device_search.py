@@ -15,7 +15,7 @@ from anamorph.methods.virtual.reflector_maps import FlatReflector, ReflectorMaps
 SEARCH = np.dtype(
     [
         ("eye", "f4", 3), ("side", "f4"), ("center", "f4", 3), ("size", "i4"),
-        ("iterations", "u4"), ("count", "u4"), ("rest", "u4"), ("padding", "u4"),
+        ("iterations", "u4"), ("count", "u4"), ("rest", "u4"), ("reach", "f4"),
     ]
 )  # fmt: skip
 """`Search` of cube_search.wgsl."""
@@ -75,11 +75,11 @@ class DeviceSearch:
         if isinstance(maps, FlatReflector):
             texels = np.zeros(1, MAP_TEXEL)
             texels["normal"] = maps.normal
-            self._side, self._size = 0.0, 0
+            self._side, self._size, self._reach = 0.0, 0, 0.0
         else:
             texels = np.zeros(maps.positions.shape[:3], MAP_TEXEL)
             texels["position"], texels["normal"] = maps.positions, maps.normals
-            self._side, self._size = 1.0 if maps.outside else -1.0, maps.size
+            self._side, self._size, self._reach = 1.0 if maps.outside else -1.0, maps.size, maps.reach
         given = wgpu.BufferUsage.UNIFORM | wgpu.BufferUsage.COPY_DST
         self._uniform = get_device().create_buffer(size=SEARCH.itemsize, usage=given)
         if reflected is None:
@@ -91,7 +91,7 @@ class DeviceSearch:
         """Record the search for an eye at (3,), with so many steps for each point."""
         search = np.zeros(1, SEARCH)
         search["eye"], search["center"] = eye - self._maps.center, self._maps.center
-        search["side"], search["size"] = self._side, self._size
+        search["side"], search["size"], search["reach"] = self._side, self._size, self._reach
         search["iterations"], search["count"], search["rest"] = iterations, self._count, self._rest
         get_device().queue.write_buffer(self._uniform, 0, search)
         compute_pass = encoder.begin_compute_pass()

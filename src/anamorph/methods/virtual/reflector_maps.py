@@ -61,6 +61,11 @@ class ReflectorMaps:
         """Texels along each side of a face."""
         return self.positions.shape[1] - 2 * BORDER
 
+    @property
+    def reach(self) -> float:
+        """How far the reflector is from its middle at most, metres."""
+        return float(np.linalg.norm(self.positions, axis=-1).max())
+
 
 @dataclass(frozen=True, eq=False)
 class FlatReflector:

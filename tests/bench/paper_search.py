@@ -22,7 +22,6 @@ from anamorph.measure.table import headed, print_table
 from anamorph.methods.virtual.cube_search import lookup, search
 from anamorph.methods.virtual.device_search import DeviceSearch, packed_points
 from anamorph.methods.virtual.reflector_maps import ReflectorMaps, reflector_maps
-from anamorph.reflections.charts import chart_of
 from anamorph.reflections.searching import MirrorSearch
 from anamorph.scene.camera import Camera
 from anamorph.scene.model import Mesh
@@ -76,7 +75,7 @@ class Around:
         away = np.exp(random.uniform(np.log(0.005), np.log(10.0), COUNT))
         surface = np.array([np.linalg.norm(lookup(self.maps.positions, tuple_of(way))) for way in ways])
         points = middle + (surface + size * away)[:, None] * ways
-        found = MirrorSearch.of(chart_of(mesh), self.eye).find(points)
+        found = MirrorSearch.of(mesh, self.eye).find(points)
         places = np.zeros((COUNT, 3))
         places[found.point] = found.position
         once = np.flatnonzero(np.bincount(found.point, minlength=COUNT) == 1)

@@ -57,7 +57,7 @@ def ball_trial(eye: tuple[float, float, float], concave: bool, count: int) -> tu
 
 def report(name: str, trial: Trial, points: np.ndarray, truth) -> None:
     """Print the line of one mirror."""
-    search = MirrorSearch.of(charts.chart_of(trial.mesh), trial.eye)
+    search = MirrorSearch.of(trial.mesh, trial.eye)
     search.find(points[:10])
     start = time.process_time()
     search.find(points)
@@ -107,7 +107,8 @@ def main() -> None:
         points = points_before(trial, 20_000)
         for cells in (16, 32, 64, 128):
             charts.CELLS = cells
-            search = MirrorSearch.of(charts.chart_of(trial.mesh), trial.eye)
+            # What was prepared for another mesh is not used again.
+            search = MirrorSearch.of(torus().mesh, trial.eye)
             search.find(points[:10])
             start = time.process_time()
             count = len(search.find(points).point)

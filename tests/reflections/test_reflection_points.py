@@ -260,6 +260,19 @@ def test_what_cannot_be_answered_is_refused_in_one_line(mesh, eye, points, said)
     assert "\n" not in str(error.value)
 
 
+def test_what_is_kept_of_a_mirror_is_right_for_each_eye():
+    trial = saddle()
+    points = points_before(trial, 50)
+    other = trial.eye + 0.3 * (points[0] - trial.eye)
+    fresh = {tuple(eye): reflection_points(saddle().scene, eye, points) for eye in (trial.eye, other)}
+    for eye in (trial.eye, trial.eye, other, trial.eye):
+        found = reflection_points(trial.scene, eye, points)
+        assert (found.position == fresh[tuple(eye)].position).all()
+    assert (fresh[tuple(other)].position.shape != fresh[tuple(trial.eye)].position.shape) or (
+        fresh[tuple(other)].position != fresh[tuple(trial.eye)].position
+    ).any()
+
+
 def test_no_points_have_no_places():
     trial = saddle()
     found = reflection_points(trial.scene, trial.eye, np.zeros((0, 3)))

@@ -12,7 +12,6 @@ from numpy.typing import ArrayLike
 from anamorph.base.errors import AnamorphError
 from anamorph.base.vectors import tuple_of
 from anamorph.files.opening import open_scene
-from anamorph.reflections.charts import chart_of
 from anamorph.reflections.searching import MirrorSearch
 from anamorph.scene.camera import Camera
 from anamorph.scene.checks import FARTHEST, check_contents
@@ -126,7 +125,7 @@ def reflection_points(
     found, parameters = [], []
     for number in numbers:
         mesh = checked.meshes[number]
-        search = MirrorSearch.of(chart_of(mesh), place)
+        search = MirrorSearch.of(mesh, place)
         if search.find(place[None]).on[0]:
             raise AnamorphError(f"eye {tuple_of(place)} is on the mirror '{mesh.name}'; move it away from it")
         own = search.find(sought)

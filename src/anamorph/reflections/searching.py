@@ -3,17 +3,19 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from weakref import WeakKeyDictionary
 
 import numpy as np
 
 from anamorph.base.compiled import compiled, over_all_cores
 from anamorph.base.vectors import Vector, tuple_of
 from anamorph.reflections.beside import beside
-from anamorph.reflections.charts import Chart
+from anamorph.reflections.charts import Chart, chart_of
 from anamorph.reflections.cone_tree import ConeTree, cone_tree, ordered
 from anamorph.reflections.seeds import DEPTH, seeds_of
 from anamorph.reflections.stationary import LENGTH, NORMAL, ORDER, PLACE, POSITION, TWIN, WORDS, settle
 from anamorph.reflections.trims import belong
+from anamorph.scene.model import Mesh
 
 SAME = 1e-6
 """Reflection points nearer to each other than this share of the mirror's size are one."""
@@ -64,11 +66,21 @@ class MirrorSearch:
     lengths: np.ndarray
 
     @classmethod
-    def of(cls, chart: Chart, eye: np.ndarray) -> MirrorSearch:
-        """Prepare the search on a mirror for the eye at (3,)."""
-        edges = np.linalg.norm(chart.positions - np.roll(chart.positions, 1, axis=1), axis=2)
-        tree = cone_tree(chart, *ordered(chart), eye)
-        return cls(chart, tree, tuple_of(eye), edges.max(axis=1))
+    def of(cls, mesh: Mesh, eye: np.ndarray) -> MirrorSearch:
+        """Prepare the search on a mirror for the eye at (3,); what was prepared last for the mesh is used again."""
+        kept = _KEPT.get(mesh)
+        place = tuple_of(eye)
+        if kept is not None and kept.search.eye == place:
+            return kept.search
+        if kept is None:
+            chart = chart_of(mesh)
+            edges = np.linalg.norm(chart.positions - np.roll(chart.positions, 1, axis=1), axis=2)
+            order, balls, lengths = *ordered(chart), edges.max(axis=1)
+        else:
+            chart, order, balls, lengths = kept.search.chart, kept.order, kept.balls, kept.search.lengths
+        search = cls(chart, cone_tree(chart, order, balls, eye), place, lengths)
+        _KEPT[mesh] = _Kept(search, order, balls)
+        return search
 
     def find(self, points: np.ndarray) -> OnMirror:
         """The reflection points of points (N, 3)."""
@@ -173,6 +185,19 @@ class MirrorSearch:
 
         over_all_cores(work, len(places), GRAIN)
         return triangles
+
+
+@dataclass(frozen=True, eq=False)
+class _Kept:
+    """The last search on a mirror, and what of its tree is the same for all eyes."""
+
+    search: MirrorSearch
+    order: np.ndarray
+    balls: np.ndarray
+
+
+_KEPT: WeakKeyDictionary[Mesh, _Kept] = WeakKeyDictionary()
+"""As long as a mesh lives, so does what was prepared for it: its arrays do not change."""
 
 
 @compiled

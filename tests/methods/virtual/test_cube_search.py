@@ -21,7 +21,6 @@ from anamorph.methods.virtual.cube_search import bisector, lookup, search
 from anamorph.methods.virtual.device_search import DeviceSearch, packed_points
 from anamorph.methods.virtual.reflector_maps import FlatReflector, ReflectorMaps, reflector_maps, texel_directions
 from anamorph.rays.caster import Caster
-from anamorph.reflections.charts import chart_of
 from anamorph.reflections.searching import MirrorSearch
 from anamorph.scene.geometry import flatten
 from anamorph.scene.model import Scene, Sky
@@ -42,7 +41,7 @@ def scattered(random: np.random.Generator, count: int, nearest: float = 1.0) -> 
 
 def exact(points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Which points the ball shows, and where."""
-    found = MirrorSearch.of(chart_of(BALL), EYE).find(points)
+    found = MirrorSearch.of(BALL, EYE).find(points)
     places = np.full_like(points, np.nan)
     places[found.point] = found.position
     return ~np.isnan(places[:, 0]), places

@@ -3,13 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 from figures.comparing import number
 from figures.panels import HALF, Panel, cropped, draw
 
 import anamorph as an
+from anamorph.gallery import make
+from anamorph.measure.curvature_parts import Form, curvature_parts
 from anamorph.measure.errors import measure
+from anamorph.scene.model import Color
 
 LARGE = (1024, 768)
 
@@ -70,6 +74,40 @@ def shares() -> list[list[Panel]]:
 def steps() -> list[list[Panel]]:
     """Figure 8: other numbers of steps."""
     return in_rows(panels({f"{PAPER},iterations={count}": f"{count} steps" for count in (3, 5, 7, 9)}))
+
+
+FORMS: dict[Form, Color] = {
+    Form.FLAT: (0.75, 0.75, 0.72),
+    Form.CONVEX: (0.82, 0.42, 0.10),
+    Form.CONCAVE: (0.10, 0.36, 0.70),
+    Form.SADDLE: (0.30, 0.58, 0.22),
+}
+
+
+def in_forms(mesh: an.Mesh) -> an.Mesh:
+    """A mirror painted by how it curves."""
+    if not mesh.specular:
+        return mesh
+    corners = mesh.faces.ravel()
+    colors = np.array([FORMS[form] for form in Form], np.float32)[curvature_parts(mesh).form]
+    return an.Mesh(
+        mesh.name,
+        np.asarray(mesh.positions, np.float32)[corners],
+        np.arange(len(corners), dtype=np.int32).reshape(-1, 3),
+        mesh.normals[corners],
+        an.Diffuse((1.0, 1.0, 1.0)),
+        colors=np.repeat(colors, 3, axis=0),
+    )
+
+
+def parts() -> list[list[Panel]]:
+    """Beyond the paper: reflectors parted by how they curve."""
+    row = []
+    for name in ("torus", "room"):
+        scene = make(name)
+        painted = replace(scene, meshes=tuple(map(in_forms, scene.meshes)))
+        row.append(Panel(draw(painted, "raytrace", HALF, 3), name))
+    return [row]
 
 
 def reflectors() -> list[list[Panel]]:

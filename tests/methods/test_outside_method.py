@@ -124,7 +124,7 @@ def test_it_beats_a_plain_cube_map_where_the_scene_is_a_box(told):
 
 def test_the_command_line_finds_it(tmp_path):
     done = run(tmp_path, "-m", "anamorph", "info")
-    assert "threeray, parallax" in done.stdout, done.stderr
+    assert "threeray, virtual, parallax" in done.stdout, done.stderr
     done = run(tmp_path / "again", "-m", "anamorph", "render", "car-mirror", "-m", "parallax:face=10", "-o", "a.png")
     assert done.returncode == 2 and "parallax: face is 10; give a number of texels" in done.stderr
 

@@ -1,5 +1,5 @@
 // Virtual objects put into the image where mirrors are seen.
-// needs: gpu/scene.wgsl, gpu/path_end.wgsl
+// needs: gpu/scene.wgsl
 
 @group(2) @binding(0) var first_texels: texture_2d<u32>;
 @group(2) @binding(1) var second_texels: texture_2d<u32>;

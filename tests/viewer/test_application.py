@@ -24,7 +24,7 @@ from anamorph.base.errors import AnamorphError
 from anamorph.base.srgb import encode_srgb
 from anamorph.frame import Frame, View
 from anamorph.gallery import make
-from anamorph.gpu.device import get_device
+from anamorph.gpu.device import forget_device, get_device
 from anamorph.methods import METHODS, Session, Specification
 from anamorph.methods.options import option
 from anamorph.viewer import application
@@ -39,6 +39,8 @@ from anamorph.viewer.state import Aspect, Drawing, EyeSide, Half, State
 @pytest.fixture
 def hand(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Hand]:
     monkeypatch.chdir(tmp_path)
+    # A device of its own: what other tests have left in this process stays with theirs.
+    forget_device()
     hand = Hand(start_of("flat-mirror"))
     yield hand
     hand.close()

@@ -124,14 +124,14 @@ class RaySurface:
             raise AnamorphError("camera: a surface is not ended; call end_surface first")
         if not self._surfaces:
             raise AnamorphError("camera: there is no surface; call begin_surface, vertex and end_surface first")
-        first = np.cumsum([0, *(len(mesh.image) for mesh in self._surfaces)])
+        surfaces = self._surfaces
+        first = np.cumsum([0, *(len(mesh.image) for mesh in surfaces)])
         return RayMesh(
-            *(
-                np.concatenate([getattr(mesh, name) for mesh in self._surfaces])
-                for name in ("image", "origins", "directions")
-            ),
-            faces=np.concatenate([mesh.faces + offset for mesh, offset in zip(self._surfaces, first, strict=False)]),
-            status=np.concatenate([mesh.status for mesh in self._surfaces]),
+            image=np.concatenate([mesh.image for mesh in surfaces]),
+            origins=np.concatenate([mesh.origins for mesh in surfaces]),
+            directions=np.concatenate([mesh.directions for mesh in surfaces]),
+            faces=np.concatenate([mesh.faces + offset for mesh, offset in zip(surfaces, first, strict=False)]),
+            status=np.concatenate([mesh.status for mesh in surfaces]),
         )
 
     def _rays(self, size: Size, columns: int) -> RayMesh:

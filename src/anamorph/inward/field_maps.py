@@ -22,6 +22,8 @@ from anamorph.inward.converging import Converging
 from anamorph.inward.field_views import FieldView
 
 FIELD_FORMAT = "r32uint"
+CONVERGENCE = np.dtype([("point", "f4", 3), ("reach", "f4")])
+"""As field_map.wgsl reads it."""
 
 
 @of_device
@@ -56,7 +58,7 @@ class FieldMaps:
                 uniforms.append(ProjectionUniform())
                 uniforms[-1].write(projection, size)
             self._fields.append(uniforms)
-        convergence = np.append(rays.point, rays.reach).astype(np.float32)
+        convergence = np.array((rays.point, rays.reach), CONVERGENCE)
         uniform = get_device().create_buffer_with_data(data=convergence, usage=wgpu.BufferUsage.UNIFORM)
         self._group = bind(_field_layout(), [scene.vertices, scene.indices, uniform])
 

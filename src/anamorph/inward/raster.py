@@ -40,7 +40,11 @@ from anamorph.raymesh import RayMesh
 from anamorph.rays.caster import Caster
 from anamorph.scene.geometry import Geometry
 
-CORNER = np.dtype([("place", "f4", 3), ("padding", "f4"), ("arrow", "f4", 3), ("end", "f4")])
+RAY_CORNER = np.dtype({"names": ["place", "arrow"], "formats": ["3f4", "3f4"], "offsets": [0, 16], "itemsize": 32})
+LOOKUP = np.dtype(
+    {"names": ["x", "y", "ahead"], "formats": ["3f4", "3f4", "3f4"], "offsets": [0, 16, 32], "itemsize": 48}
+)
+"""As looked_up_along.wgsl reads them."""
 
 
 @dataclass(frozen=True)
@@ -126,10 +130,10 @@ class InwardDrawing(FindingDrawing):
         self._maps = FieldMaps(self.stage.buffers, rays, views, self._options.far)
         right, up, ahead = np.eye(3)
         self._own.write(Projection(np.eye(4), ahead, right, up, rays.point), self.visibility.size)
-        corners = np.zeros(3 * len(places), CORNER)
+        corners = np.zeros(3 * len(places), RAY_CORNER)
         corners["place"], corners["arrow"] = places.reshape(-1, 3), rays.arrows.reshape(-1, 3)
-        lookups = np.zeros((len(views), 3, 4), np.float32)
-        lookups[..., :3] = [view.lookup() for view in views]
+        lookups = np.zeros(len(views), LOOKUP)
+        lookups["x"], lookups["y"], lookups["ahead"] = np.swapaxes([view.lookup() for view in views], 0, 1)
         self._faces = len(places)
         self._group = bind(
             _lookup_layout(),

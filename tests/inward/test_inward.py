@@ -144,6 +144,18 @@ def test_what_lies_outside_the_sphere_is_not_seen_before_the_point() -> None:
     assert (near.object_id == 0).all()
 
 
+def test_what_is_wrong_is_doubtful_and_is_traced_where_that_is_wanted() -> None:
+    """Few quads of a sphere lie well within it, and what is between hides in the views what their rays see."""
+    board = grid((-2.5, -0.75, 2.5), (5, 0, 0), (0, 0, -5), (7, 7)).mesh("board", Diffuse())
+    rays = cameras.inward_sphere((0.0, 0.0, 0.0), 2.0, (160, 80), rows=4, columns=6)
+    frame, truth = both(scene_of(BOX, board), rays, (160, 80))
+    wrong = np.linalg.norm(frame.position - truth.position, axis=-1) > 1e-3
+    assert wrong.sum() > 20 and (frame.status[wrong] == Status.DOUBTFUL).all()
+    traced, _ = both(scene_of(BOX, board), rays, (160, 80), traced=True)
+    assert np.linalg.norm(traced.position - truth.position, axis=-1).max() < 1e-3
+    assert not (traced.status == Status.DOUBTFUL).any() and (traced.status == Status.DIRECT).sum() >= wrong.sum()
+
+
 def concave(half: float, radius: float = 4.0, count: int = 20) -> Mesh:
     """A part of a sphere about the origin, seen from there along -z."""
     sphere, across = Sphere(np.zeros(3), radius), np.linspace(-half, half, count + 1)

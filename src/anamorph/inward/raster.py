@@ -15,7 +15,7 @@ import numpy as np
 import wgpu
 
 from anamorph.base.errors import AnamorphError
-from anamorph.frame import View
+from anamorph.frame import Status, View
 from anamorph.gpu.bindings import STORAGE, bind, layout_of
 from anamorph.gpu.buffers import storage_buffer
 from anamorph.gpu.device import of_device
@@ -57,12 +57,15 @@ class Options:
         Whether rays go on beyond the point of convergence, where all is seen reversed (4.2).
     texels : int
         Across each view; 0 takes one for each pixel.
+    traced : bool
+        Whether what is doubtful is traced: where a ray does not meet what its place in the views shows.
     antialias : int
         Samples a pixel: 1 or 4.
     """
 
     far: bool = True
     texels: int = option(0, low=0, high=8192, unit="texels")
+    traced: bool = False
     antialias: int = option(1, choices=(1, 4))
 
 
@@ -81,7 +84,7 @@ class InwardDrawing(FindingDrawing):
         self._options = options
         specular = stage.buffers.specular_meshes[stage.geometry.face_object - 1]
         self._specular = np.append(False, specular)
-        self._caster = Caster(stage.geometry) if specular.any() else None
+        self._caster = Caster(stage.geometry) if specular.any() or options.traced else None
         self._covered = make_target(self.visibility.size, ())
         self._own = ProjectionUniform()
         self._maps: FieldMaps | None = None
@@ -147,15 +150,17 @@ class InwardDrawing(FindingDrawing):
         )
 
     def _trace(self, caster: Caster) -> Generator[None, None, None]:
-        """Trace on what meets a mirror or a lens."""
+        """Trace on what meets a mirror or a lens, and what is doubtful where that is wanted."""
         texels = np.stack([read_texture(texture) for texture in self.visibility.textures[0]])
-        bent = self._specular[texels[0, ..., 3]]
-        if not bent.any():
+        traced = self._specular[texels[0, ..., 3]]
+        if self._options.traced:
+            traced |= (texels[1, ..., 2] >> 16) & 0xFF == Status.DOUBTFUL
+        if not traced.any():
             return
         _, origins, directions = self.visibility.rays()
         tracer = PathTracer(self.stage.view.scene, self.stage.geometry, caster)
-        records = yield from tracer.tracing(GivenRays(origins[bent].astype(float), directions[bent].astype(float)))
-        texels[:, bent] = packed(records)
+        records = yield from tracer.tracing(GivenRays(origins[traced].astype(float), directions[traced].astype(float)))
+        texels[:, traced] = packed(records)
         self.visibility.write((0, 0, *self.visibility.size), texels)
 
 

@@ -213,6 +213,13 @@ def test_an_image_is_antialiased_as_a_traced_one() -> None:
     assert np.abs(frame.color - truth.color).mean() < 2e-4
 
 
+def test_shifted_images_are_averaged_as_traced_ones() -> None:
+    scene = scene_of(BOX, quad("wall", 3.0, 3.0))
+    for rays in (RAYS, cameras.inward_sphere((0.05, 0.0, 0.1), 1.5, SIZE)):
+        frame, truth = (an.render(scene, method, rays, SIZE, samples=2) for method in (INWARD, "raytrace"))
+        assert np.abs(frame.color - truth.color).mean() < 5e-4
+
+
 def opened(scene: Scene, rays: RayMesh) -> Session:
     return INWARD.open(View(scene, rays, SIZE))
 
@@ -232,6 +239,24 @@ def test_a_session_follows_cameras_and_vertices() -> None:
     session.deform(moved, geometry.normals)
     session.draw(RAYS)
     assert side(session.frame(seen=True), 1) == pytest.approx(36 * 0.4 / (1.5 * np.tan(np.radians(30.0))), abs=1.0)
+
+
+def test_mirrors_show_what_has_moved() -> None:
+    shiny = replace(ball(3, 0.4, (0.2, 0.1, -1.2)).mesh("shiny", Diffuse()), material=Mirror())
+    scene = scene_of(quad("one", 0.6, 0.2, (0.2, 0.1)), shiny)
+    session = opened(scene, RAYS)
+    session.draw(RAYS)
+    before = session.frame(seen=True)
+    geometry = flatten(scene)
+    moved = geometry.positions.copy()
+    moved[:9, 0] += 0.9
+    session.deform(moved, geometry.normals)
+    session.draw(RAYS)
+    frame = session.frame(seen=True)
+    now = replace(scene, meshes=(replace(scene.meshes[0], positions=moved[:9]), shiny))
+    truth = an.render(now, "raytrace", RAYS, SIZE, seen=True)
+    assert (frame.object_id != before.object_id).mean() > 0.05
+    assert (frame.object_id == truth.object_id).mean() > 0.99
 
 
 def test_far_from_the_origin_the_same_is_seen() -> None:

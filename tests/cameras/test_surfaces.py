@@ -175,6 +175,7 @@ def test_a_set_of_rays_is_interpolated_between_its_places() -> None:
     plain = cameras.pinhole(ASKEW, SIZE)
     origins, directions, _ = rays_at(plain, places)
     found = rays_at(cameras.from_rays(places, origins, directions), centers(SIZE))
+    assert (found[2] >= 1).all()
     # A pinhole's rays are linear in the image, so that any triangles between them are exact.
     assert found[0] == pytest.approx(rays_at(plain, centers(SIZE))[0], abs=1e-12)
     assert found[1] == pytest.approx(rays_at(plain, centers(SIZE))[1], abs=1e-9)
@@ -276,6 +277,7 @@ def ended(kind: str, vertices: int) -> Callable[[], object]:
         (lambda: cameras.from_surface(Sphere(np.zeros(3), 1.0), SIZE), "window is not given"),
         (lambda: cameras.from_surface(Sphere(np.zeros(3), 1.0), SIZE, False, ((1, 1), (0, 1))), "no two alike"),
         (lambda: cameras.from_surface(Sphere(np.zeros(3), 1.0), SIZE, False, ((1, np.nan), (0, 1))), "finite"),
+        (lambda: cameras.from_surface(Sphere(np.zeros(3), 1.0), SIZE, False, ((1, 2), 3)), "window is"),
         (lambda: cameras.from_surface(BezierPatch(np.zeros((4, 4, 3))), SIZE), "collapse"),
         (lambda: cameras.from_surface(BezierPatch(DOME * [1, 0, 0]), SIZE), "collapse"),
         (lambda: cameras.from_surface(BezierPatch(DOME), SIZE, rows=0), "rows is 0"),

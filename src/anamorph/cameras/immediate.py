@@ -14,7 +14,7 @@ import numpy as np
 from anamorph.base.errors import AnamorphError
 from anamorph.cameras.grid import Size, checked_count, checked_size, from_grid
 from anamorph.cameras.ray_sets import from_triangles
-from anamorph.cameras.surface import along_normals
+from anamorph.cameras.surface import from_surface
 from anamorph.raymesh import RayMesh
 from anamorph.surfaces.bezier import BezierPatch
 
@@ -153,9 +153,9 @@ class RaySurface:
     def _patch(self, size: Size, quads: int) -> RayMesh:
         if len(self._vertices) != CONTROL_POINTS:
             raise AnamorphError(f"camera: a patch has {len(self._vertices)} control points; give {CONTROL_POINTS}")
-        control = np.reshape(self._vertices, (4, 4, 3)).transpose(1, 0, 2)
-        across = np.linspace(0.0, 1.0, quads + 1)
-        return along_normals(BezierPatch(control), np.stack(np.meshgrid(across, across), axis=-1), size)
+        # In the patch v runs upward, so that its rays, which leave the onlooker, go against its normals.
+        control = np.reshape(self._vertices, (4, 4, 3))[::-1].transpose(1, 0, 2)
+        return from_surface(BezierPatch(control), size, inward=True, rows=quads, columns=quads)
 
     def _with_normals(self) -> list[tuple[float, float, float]]:
         if (0.0, 0.0, 0.0) in self._normals:

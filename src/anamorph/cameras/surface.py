@@ -29,12 +29,12 @@ def from_surface(
 ) -> RayMesh:
     """What a surface sees along its normals: all that its rays meet as they leave it.
 
-    The image is never mirrored. The last v is at its top; u runs to the right as who looks along the rays has it.
+    The image is never mirrored: the last v is at its top, and u runs to the right or to the left as that wants it.
 
     Parameters
     ----------
     surface : Surface
-        Any exact surface. Of a Bezier patch the rays leave its own outside, which is d/du x d/dv.
+        Any exact surface. The outside of a patch is that of d/du x d/dv.
     size : (width, height)
         Pixels.
     inward : bool
@@ -54,38 +54,19 @@ def from_surface(
     u = np.linspace(first_u, last_u, checked_count("columns", columns) + 1)
     v = np.linspace(last_v, first_v, checked_count("rows", rows) + 1)
     parameters = np.stack(np.meshgrid(u, v), axis=-1)
-    origins, normals = _points_and_normals(surface, parameters)
+    origins, normals = (
+        each(parameters.reshape(-1, 2)).reshape(len(v), len(u), 3) for each in (surface.position, surface.normal)
+    )
     side = -1.0 if inward else 1.0
-    if facing(origins, normals) != side:
+    if _facing(origins, normals) != side:
         origins, normals = origins[:, ::-1], normals[:, ::-1]
     return from_grid(origins, side * normals, size)
 
 
-def along_normals(surface: Surface, parameters: np.ndarray, size: Size) -> RayMesh:
-    """What a surface sees along its normals, to the side on which the image is not mirrored.
-
-    Parameters
-    ----------
-    surface : Surface
-    parameters : (R, C, 2) array
-        The (u, v) of the rays, from the top left of the image, row by row.
-    size : (width, height)
-        Pixels.
-    """
-    origins, normals = _points_and_normals(surface, parameters)
-    return from_grid(origins, facing(origins, normals) * normals, size)
-
-
-def facing(origins: np.ndarray, normals: np.ndarray) -> float:
+def _facing(origins: np.ndarray, normals: np.ndarray) -> float:
     """1 where rays along the normals of a grid of points, (R, C, 3) each, make an image as it is, -1 a mirrored one."""
     right, down = np.diff(origins, axis=1)[:-1], np.diff(origins, axis=0)[:, :-1]
     return 1.0 if (np.cross(right, down) * normals[:-1, :-1]).sum() >= 0.0 else -1.0
-
-
-def _points_and_normals(surface: Surface, parameters: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    flat = parameters.reshape(-1, 2)
-    shape = (*parameters.shape[:2], 3)
-    return surface.position(flat).reshape(shape), surface.normal(flat).reshape(shape)
 
 
 def _checked_window(surface: Surface, window: Window | None) -> Window:
@@ -97,7 +78,10 @@ def _checked_window(surface: Surface, window: Window | None) -> Window:
             )
         (u0, v0), (u1, v1) = surface.domain
         return (u0, u1), (v0, v1)
-    ends = np.asarray(window, float)
+    try:
+        ends = np.asarray(window, float)
+    except (TypeError, ValueError):
+        ends = np.empty(0)
     if ends.shape != (2, 2) or not np.isfinite(ends).all() or (ends[:, 0] == ends[:, 1]).any():
         raise AnamorphError(
             f"camera: window is {window}; give ((first u, last u), (first v, last v)), finite, no two alike"

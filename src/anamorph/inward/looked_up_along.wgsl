@@ -71,6 +71,17 @@ fn met(triangle: u32, origin: vec3f, direction: vec3f) -> f32 {
     return met_at(a, b, c, direction);
 }
 
+const NONE = 0xFFFFFFFFu;
+
+// The least number after another.
+fn after(seen: array<u32, 9>, before: u32) -> u32 {
+    var least = NONE;
+    for (var number = 0; number < 9; number++) {
+        least = select(least, min(least, seen[number]), seen[number] > before);
+    }
+    return least;
+}
+
 @fragment
 fn looked_up_along(fragment: RayFragment) -> PackedPathEnd {
     let arrow = arrow_at(fragment.triangle, fragment.pixel.xy);
@@ -81,25 +92,25 @@ fn looked_up_along(fragment: RayFragment) -> PackedPathEnd {
     let place = vec2f(dot(lookup.x, direction), dot(lookup.y, direction)) / dot(lookup.ahead, direction);
     let last = vec2i(textureDimensions(fields)) - 1;
     let middle = clamp(vec2i(floor(place)), vec2i(0), last);
-    let straight = textureLoad(fields, middle, view, 0).x;
-    var nearest = FARTHEST;
-    var found = 0u;
-    var sees_sky = straight == 0u;
+    var seen: array<u32, 9>;
+    var sees_sky = false;
     for (var number = 0; number < 9; number++) {
         let texel = clamp(middle + vec2i(number % 3, number / 3) - 1, vec2i(0), last);
-        let triangle = textureLoad(fields, texel, view, 0).x;
-        if triangle == 0u {
-            sees_sky = true;
-            continue;
-        }
-        if triangle == found {
-            continue;
-        }
+        seen[number] = textureLoad(fields, texel, view, 0).x;
+        sees_sky |= seen[number] == 0u;
+    }
+    let straight = seen[4];
+    var nearest = FARTHEST;
+    var found = 0u;
+    // Each triangle once, by its number: in software a branch that is not taken costs as much as one that is.
+    var triangle = after(seen, 0u);
+    while triangle != NONE {
         let distance = met(triangle, origin, direction);
         if distance < nearest {
             nearest = distance;
             found = triangle;
         }
+        triangle = after(seen, triangle);
     }
     var status = STATUS_PROJECTED;
     if found == 0u {

@@ -27,7 +27,7 @@ THIRD = (313, 313)
 WIDE = (960, 320)
 METHOD = "trilinear:antialias=4"
 
-RIM, EDGE, TOP = (1.4, -0.2), (2.05, 0.45, -0.15), (2.2, 3.1)
+RIM, EDGE, TOP = (1.4, -0.7), (2.2, 0.4, -0.8), (2.4, 3.1)
 """Control points over the cube, metres: x or z, and y, of the corners, of others at the rim, and of the inner four."""
 
 COLUMNS = [(x, z) for x in (-3.0, 0.0, 3.0) for z in (-3.0, 0.0, 3.0) if x or z]

@@ -1,4 +1,4 @@
-"""Mirrors as charts: what of a mirror the search for reflection points reads, whatever eye looks at it.
+"""Mirrors and lenses as charts: what of a face the search for reflection points reads, whatever eye looks at it.
 
 A chart is the mesh's triangles, cut into pieces so small that interpolated rays say well enough where to search. The
 corners of pieces are places of the exact surface, as `Surface.places` gives them. Of a mesh without one, a place is the
@@ -94,14 +94,14 @@ class Chart:
     normals: np.ndarray
 
 
-def chart_of(mesh: Mesh) -> Chart:
-    """The chart of a mirror."""
+def chart_of(mesh: Mesh, rounds: Sequence[RoundBorder] | None = None) -> Chart:
+    """The chart of a mirror, or of the face of a lens, which the borders `rounds` end."""
     size = float(np.ptp(np.asarray(mesh.positions, float)[np.unique(mesh.faces)], axis=0).max())
     if mesh.surface is None or mesh.parameters is None:
         return _plain_chart(mesh, size)
     kind, numbers = pack(mesh.surface)
     triangles, faces = mesh.surface.places(mesh.parameters)[mesh.faces], np.arange(len(mesh.faces))
-    rounds = mirror_borders(mesh)
+    rounds = mirror_borders(mesh) if rounds is None else rounds
     arcs, circles = _arcs(mesh, rounds)
     if kind in PATCHES:
         triangles, faces = _with_poles(kind, numbers, triangles, size)
@@ -172,9 +172,11 @@ def _arcs(mesh: Mesh, rounds: Sequence[RoundBorder]) -> tuple[np.ndarray, np.nda
     """The arcs and circles of a `Trim`."""
     assert mesh.surface is not None
     arcs = np.zeros(mesh.faces.shape, np.int64)
-    # On a sphere the border is where a plane cuts it, whichever of the two caps the mirror is.
-    flat = isinstance(mesh.surface, Sphere)
-    circles = np.array([[*each.middle, *each.axis, 0.0 if flat else each.radius] for each in rounds]).reshape(-1, 7)
+    # The border of a mirror on a sphere is where a plane cuts it, whichever of the two caps the mirror is.
+    flat = [isinstance(mesh.surface, Sphere) and not each.of_lens for each in rounds]
+    radii = [0.0 if plane else each.radius for each, plane in zip(rounds, flat, strict=True)]
+    rows = [[*each.middle, *each.axis, radius] for each, radius in zip(rounds, radii, strict=True)]
+    circles = np.array(rows).reshape(-1, 7)
     if not rounds:
         return arcs, circles
     count, places = len(mesh.positions), mesh.exact_positions()
@@ -186,7 +188,9 @@ def _arcs(mesh: Mesh, rounds: Sequence[RoundBorder]) -> tuple[np.ndarray, np.nda
         for number, circle in enumerate(rounds, start=1):
             on = border & (arcs[:, corner] == 0) & circle.arcs(places[ends])
             heights = (facing - circle.middle) @ circle.axis
-            inside = heights > 0.0 if flat else np.linalg.norm(circle.across(facing), axis=1) < circle.radius
+            inside = (
+                heights > 0.0 if flat[number - 1] else np.linalg.norm(circle.across(facing), axis=1) < circle.radius
+            )
             arcs[on, corner] = np.where(inside[on], number, -number)
     return arcs, circles
 

@@ -7,24 +7,19 @@ from weakref import WeakKeyDictionary
 
 import numpy as np
 
-from anamorph.base.compiled import compiled, over_all_cores
+from anamorph.base.compiled import over_all_cores
 from anamorph.base.vectors import Vector, tuple_of
 from anamorph.reflections.beside import beside
 from anamorph.reflections.charts import Chart, chart_of
-from anamorph.reflections.cone_tree import ConeTree, cone_tree, ordered
-from anamorph.reflections.seeds import DEPTH, seeds_of
-from anamorph.reflections.stationary import LENGTH, NORMAL, ORDER, PLACE, POSITION, TWIN, WORDS, settle
-from anamorph.reflections.trims import belong
+from anamorph.reflections.cone_tree import ConeTree, balls_around, cone_tree, ordered, reflected
+from anamorph.reflections.distinct import distinct
+from anamorph.reflections.seeds import seeds_of
+from anamorph.reflections.stationary import LENGTH, NORMAL, ORDER, PLACE, POSITION, WORDS, settle
+from anamorph.reflections.trims import triangles_of
 from anamorph.scene.model import Mesh
-
-SAME = 1e-6
-"""Reflection points nearer to each other than this share of the mirror's size are one."""
 
 ON = 1e-9
 """A point nearer to a mirror than this share of its size is on it."""
-
-TWINS = 4
-"""How often the twins of new reflection points are searched for."""
 
 GRAIN = 1024
 """Starts that one core takes at a time."""
@@ -75,10 +70,11 @@ class MirrorSearch:
         if kept is None:
             chart = chart_of(mesh)
             edges = np.linalg.norm(chart.positions - np.roll(chart.positions, 1, axis=1), axis=2)
-            order, balls, lengths = *ordered(chart), edges.max(axis=1)
+            order, lengths = ordered(chart.positions), edges.max(axis=1)
+            balls = balls_around(order, chart.positions)
         else:
             chart, order, balls, lengths = kept.search.chart, kept.order, kept.balls, kept.search.lengths
-        search = cls(chart, cone_tree(chart, order, balls, eye), place, lengths)
+        search = cls(chart, cone_tree(reflected(chart, eye), order, balls), place, lengths)
         _KEPT[mesh] = _Kept(search, order, balls)
         return search
 
@@ -95,27 +91,19 @@ class MirrorSearch:
         started = self._started(points, point, piece, places, np.flatnonzero(near), on)
         point, piece, places = point[started], piece[started], places[started]
 
-        kept, rows = np.zeros((0, 3), np.int64), np.zeros((0, WORDS))
-        for _ in range(1 + TWINS):
-            if not len(point):
-                break
-            new, triangle, found = self._settled(points, point, piece, places)
-            many = np.concatenate([kept, np.stack([point[found], piece[found], triangle], axis=-1)])
-            fresh = np.arange(len(many)) >= len(kept)
-            order = np.argsort(many[:, 0], kind="stable")
-            kept, rows, fresh = many[order], np.concatenate([rows, new])[order], fresh[order]
-            keep = np.ones(len(kept), bool)
-            _merge(kept[:, 0].copy(), rows, SAME * chart.size, keep)
-            kept, rows, fresh = kept[keep], rows[keep], fresh[keep]
-            twins = fresh & ~np.isnan(rows[:, TWIN])
-            point, piece, places = kept[twins, 0], kept[twins, 1], rows[twins, TWIN : TWIN + 3].copy()
+        def settled(
+            point: np.ndarray, piece: np.ndarray, places: np.ndarray
+        ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+            return self._settled(points, point, piece, places)
+
+        point, triangles, rows = distinct(settled, point, piece, places, chart.size)
         return OnMirror(
-            point=kept[:, 0],
+            point=point,
             position=rows[:, POSITION : POSITION + 3],
             place=rows[:, PLACE : PLACE + 3],
             length=rows[:, LENGTH],
             order=rows[:, ORDER].astype(int),
-            triangle=self.chart.faces[kept[:, 2]],
+            triangle=chart.faces[triangles[:, 0]],
             full=full,
             on=on,
         )
@@ -169,22 +157,12 @@ class MirrorSearch:
             piece[found], rows[found, PLACE : PLACE + 3].copy(), rows[found, POSITION : POSITION + 3].copy()
         )
         held = triangles >= 0
-        return rows[found[held]], triangles[held], found[held]
+        return rows[found[held]], triangles[held, None], found[held]
 
     def _triangles(self, piece: np.ndarray, places: np.ndarray, positions: np.ndarray) -> np.ndarray:
         """In which triangles places lie that were found from some pieces, (S,); -1 for none."""
         chart, tree = self.chart, self.tree
-        triangles = chart.parents[piece]
-
-        def work(start: int, stop: int) -> None:
-            stack = np.zeros(DEPTH, np.int64)
-            belong(
-                chart.kind, chart.trim, tree.order, tree.balls, chart.parents, places, positions,
-                start, stop, stack, triangles,
-            )  # fmt: skip
-
-        over_all_cores(work, len(places), GRAIN)
-        return triangles
+        return triangles_of(chart, tree.order, tree.balls, chart.parents[piece], places, positions)
 
 
 @dataclass(frozen=True, eq=False)
@@ -198,17 +176,3 @@ class _Kept:
 
 _KEPT: WeakKeyDictionary[Mesh, _Kept] = WeakKeyDictionary()
 """As long as a mesh lives, so does what was prepared for it: its arrays do not change."""
-
-
-@compiled
-def _merge(point: np.ndarray, rows: np.ndarray, close: float, keep: np.ndarray) -> None:
-    """Unmark what is the same as an earlier row of its point; all that are a focus are one."""
-    for i in range(len(point)):
-        j = i - 1
-        while j >= 0 and point[j] == point[i] and keep[i]:
-            if keep[j]:
-                one, other = rows[i, ORDER], rows[j, ORDER]
-                x, y, z = rows[i, 0] - rows[j, 0], rows[i, 1] - rows[j, 1], rows[i, 2] - rows[j, 2]
-                same = x * x + y * y + z * z <= close * close and one * other >= 0.0
-                keep[i] = not (same or (one == 0.0 and other == 0.0))
-            j -= 1

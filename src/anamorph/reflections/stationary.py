@@ -77,7 +77,7 @@ def settle(
             fine, position, normal, frame, slopes = slopes_at(kind, numbers, place, eye, point)
             if not fine or length <= CLOSE * size or steps == STEPS:
                 break
-            x, y = _newton(slopes)
+            x, y = newton(slopes)
             length = math.hypot(x, y)
             share = 2.0 * lengths[i] / length if length > 2.0 * lengths[i] else 1.0
             a, b = in_parameters(frame, share * x, share * y)
@@ -86,7 +86,7 @@ def settle(
         ok[i] = fine and length <= NEAR * size
         if not ok[i]:
             continue
-        weak, strong, x, y = _bends(slopes)
+        weak, strong, x, y = bends(slopes)
         to_eye, to_point = along(eye, -1.0, position), along(point, -1.0, position)
         far, near = math.sqrt(dot(to_eye, to_eye)), math.sqrt(dot(to_point, to_point))
         focus = abs(weak) <= FLAT * (abs(strong) + 1.0 / far + 1.0 / near)
@@ -111,7 +111,7 @@ def settle(
 
 
 @compiled
-def _newton(slopes: Slopes) -> tuple[float, float]:
+def newton(slopes: Slopes) -> tuple[float, float]:
     """The step to where both slopes vanish, by least squares with some damping: none along a curve of solutions."""
     one, other, xx, xy, yx, yy = slopes
     damping = (DAMPING * max(max(abs(xx), abs(xy)), max(abs(yx), abs(yy)))) ** 2
@@ -124,7 +124,7 @@ def _newton(slopes: Slopes) -> tuple[float, float]:
 
 
 @compiled
-def _bends(slopes: Slopes) -> tuple[float, float, float, float]:
+def bends(slopes: Slopes) -> tuple[float, float, float, float]:
     """The least and the greatest bend of the length of the path, and the direction of the least."""
     xx, xy, yy = slopes[2], 0.5 * (slopes[3] + slopes[4]), slopes[5]
     middle, half = 0.5 * (xx + yy), math.hypot(0.5 * (xx - yy), xy)

@@ -1,0 +1,147 @@
+"""Newton's iteration from many starts, to where the length of the path through a lens is stationary. Compiled.
+
+It is that of `stationary`, with a place on the near face that is sought and one on the far face that follows.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from anamorph.base.compiled import compiled
+from anamorph.base.vectors import Vector
+from anamorph.reflections.lens_length import Frame, Pair, Square, lens_slopes
+from anamorph.reflections.path_length import in_parameters
+from anamorph.reflections.stationary import (
+    AHEAD,
+    AT_TWIN,
+    CLOSE,
+    FLAT,
+    LENGTH,
+    NEAR,
+    NORMAL,
+    ORDER,
+    PLACE,
+    POSITION,
+    STEPS,
+    bends,
+    newton,
+)
+from anamorph.surfaces.expansion import shifted
+
+FAR_POSITION, FAR_PLACE, FAR_NORMAL, TWINS, WORDS = 11, 14, 17, 20, 26
+"""Where the numbers of the far face are in the row of a refraction point, after those that a reflection point has, and
+the two places of its twin, last."""
+
+
+@compiled
+def settle_through(
+    near_kind: int,
+    near_numbers: np.ndarray,
+    far_kind: int,
+    far_numbers: np.ndarray,
+    index: float,
+    size: float,
+    eye: Vector,
+    points: np.ndarray,
+    places: np.ndarray,
+    lengths: np.ndarray,
+    start: int,
+    stop: int,
+    out: np.ndarray,
+    ok: np.ndarray,
+) -> None:
+    """Search from `places`, start to stop.
+
+    Parameters
+    ----------
+    near_kind, near_numbers, far_kind, far_numbers, index
+        The lens.
+    size : float
+        Metres.
+    eye : three float64
+    points : (S, 3) float64
+        What is sought.
+    places : (S, 6) float64
+        Where the search starts: on the near face, and on the far one.
+    lengths : (S,) float64
+        Of the piece that it starts in: no step on the near face is longer than twice that.
+    out : (S, 26) float64
+        Filled.
+    ok : (S,) bool
+        Whether something was found.
+    """
+    for i in range(start, stop):
+        point = (points[i, 0], points[i, 1], points[i, 2])
+        place, other = (places[i, 0], places[i, 1], places[i, 2]), (places[i, 3], places[i, 4], places[i, 5])
+        length = math.inf
+        steps = 0
+        while True:
+            fine, near, far, path, slopes, offset, follows, turned = lens_slopes(
+                near_kind, near_numbers, far_kind, far_numbers, index, place, other, eye, point
+            )
+            if not fine or length <= CLOSE * size or steps == STEPS:
+                break
+            x, y = newton(slopes)
+            length = math.hypot(x, y)
+            share = 2.0 * lengths[i] / length if length > 2.0 * lengths[i] else 1.0
+            x, y = share * x, share * y
+            length = max(length, math.hypot(*_following(offset, follows, x, y)))
+            place, other = _moved(near_kind, far_kind, place, other, near[2], far[2], offset, follows, x, y)
+            steps += 1
+        ok[i] = fine and length <= NEAR * size
+        if not ok[i]:
+            continue
+        weak, strong, x, y = bends(slopes)
+        focus = abs(weak) <= FLAT * (abs(strong) + 1.0 / path)
+        # How much the bend changes: the slopes on both sides cancel but for that.
+        ahead, change = AHEAD * lengths[i], 0.0
+        a, b = in_parameters(near[2], ahead * x, ahead * y)
+        for side in (-ahead, ahead):
+            one, two = _moved(near_kind, far_kind, place, other, near[2], far[2], offset, follows, side * x, side * y)
+            fits, there, _, _, others, _, _, _ = lens_slopes(
+                near_kind, near_numbers, far_kind, far_numbers, index, one, two, eye, point
+            )
+            if fits:
+                change += others[0] * (there[2][0] * a + there[2][1] * b) + others[1] * there[2][2] * b
+        change /= ahead * ahead * ahead
+        twin, its_other = (np.nan, np.nan, np.nan), (np.nan, np.nan, np.nan)
+        if not focus and 2.0 * abs(weak) <= AT_TWIN * lengths[i] * abs(change):
+            away = -2.0 * weak / change
+            twin, its_other = _moved(
+                near_kind, far_kind, place, other, near[2], far[2], offset, follows, away * x, away * y
+            )
+        for axis in range(3):
+            out[i, POSITION + axis], out[i, FAR_POSITION + axis] = near[0][axis], far[0][axis]
+            out[i, PLACE + axis], out[i, FAR_PLACE + axis] = place[axis], other[axis]
+            out[i, NORMAL + axis], out[i, FAR_NORMAL + axis] = near[1][axis], far[1][axis]
+            out[i, TWINS + axis], out[i, TWINS + 3 + axis] = twin[axis], its_other[axis]
+        bend = slopes[2] * slopes[5] - slopes[3] * slopes[4]
+        out[i, LENGTH] = path
+        out[i, ORDER] = 0.0 if focus else math.copysign(1.0, -bend if turned else bend)
+
+
+@compiled
+def _following(offset: Pair, follows: Square, x: float, y: float) -> Pair:
+    """The step on the far face that goes with one on the near face, metres."""
+    return -offset[0] - follows[0] * x - follows[1] * y, -offset[1] - follows[2] * x - follows[3] * y
+
+
+@compiled
+def _moved(
+    near_kind: int,
+    far_kind: int,
+    place: Vector,
+    other: Vector,
+    near: Frame,
+    far: Frame,
+    offset: Pair,
+    follows: Square,
+    x: float,
+    y: float,
+) -> tuple[Vector, Vector]:
+    """Both places after a step on the near face."""
+    a, b = in_parameters(near, x, y)
+    c, d = in_parameters(far, *_following(offset, follows, x, y))
+    return shifted(near_kind, place, a, b), shifted(far_kind, other, c, d)

@@ -75,7 +75,7 @@ def report(name: str, trial: Trial, points: np.ndarray, truth) -> None:
     unsure = int((found.point_status > 0).sum())
     print(
         f"{name:26} {len(points):7} {len(found.point):7} {found.counts.max():4} {missed:7} {more:7} {wrong:7} "
-        f"{unsure:7} {len(search.chart.parents):7} {spent:8.1f}",
+        f"{unsure:7} {len(search.pieces.chart.parents):7} {spent:8.1f}",
         flush=True,
     )
 
@@ -113,7 +113,7 @@ def main() -> None:
             start = time.process_time()
             count = len(search.find(points).point)
             spent = 1e6 * (time.process_time() - start) / len(points)
-            print(f"torus in {len(search.chart.parents):7} pieces: {spent:6.1f} us a point, {count} found")
+            print(f"torus in {len(search.pieces.chart.parents):7} pieces: {spent:6.1f} us a point, {count} found")
 
 
 if __name__ == "__main__":

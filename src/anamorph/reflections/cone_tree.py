@@ -106,8 +106,10 @@ def ordered(positions: np.ndarray) -> np.ndarray:
 
 
 def balls_around(order: np.ndarray, positions: np.ndarray, seen: np.ndarray | None = None) -> np.ndarray:
-    """The balls of the tree of pieces in their `order`, around corners at `positions` (P, 3, 3): of all, or those `seen`
-    (P,)."""
+    """The balls of the tree of pieces in their `order`, around corners at `positions` (P, 3, 3).
+
+    Only pieces that are `seen`, (P,) bool, have one; without it all have.
+    """
     middles = positions.mean(axis=1)
     radii = WIDER * SLACK * np.linalg.norm(positions - middles[:, None], axis=2).max(axis=1)
     leaves = 1 << max(len(order) - 1, 0).bit_length()

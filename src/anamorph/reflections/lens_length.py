@@ -139,20 +139,20 @@ def lens_slopes(
     first = _in_frame((dot(enters, a), dot(enters, b)), near)
     second = _in_frame((dot(leaves, c), dot(leaves, d)), far)
     offset = (r * second[0] - q * second[1]) / determinant, (p * second[1] - q * second[0]) / determinant
-    k, l, m, n = one_two
+    xx, xy, yx, yy = one_two
     follows = (
-        (r * k - q * l) / determinant,
-        (r * m - q * n) / determinant,
-        (p * l - q * k) / determinant,
-        (p * n - q * m) / determinant,
+        (r * xx - q * xy) / determinant,
+        (r * yx - q * yy) / determinant,
+        (p * xy - q * xx) / determinant,
+        (p * yy - q * yx) / determinant,
     )
     slopes = (
-        first[0] - k * offset[0] - l * offset[1],
-        first[1] - m * offset[0] - n * offset[1],
-        one_one[0] - k * follows[0] - l * follows[2],
-        one_one[1] - k * follows[1] - l * follows[3],
-        one_one[2] - m * follows[0] - n * follows[2],
-        one_one[3] - m * follows[1] - n * follows[3],
+        first[0] - xx * offset[0] - xy * offset[1],
+        first[1] - yx * offset[0] - yy * offset[1],
+        one_one[0] - xx * follows[0] - xy * follows[2],
+        one_one[1] - xx * follows[1] - xy * follows[3],
+        one_one[2] - yx * follows[0] - yy * follows[2],
+        one_one[3] - yx * follows[1] - yy * follows[3],
     )
     normal, other = cross(a, b), cross(c, d)
     entry = (f, along(nothing, 1.0 / math.sqrt(dot(normal, normal)), normal), near)

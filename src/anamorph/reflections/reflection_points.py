@@ -126,12 +126,11 @@ def reflection_points(
     for number in numbers:
         mesh = checked.meshes[number]
         search = MirrorSearch.of(mesh, place)
-        if search.find(place[None]).on[0]:
+        if search.pieces.touched(place[None])[0]:
             raise AnamorphError(f"eye {tuple_of(place)} is on the mirror '{mesh.name}'; move it away from it")
         own = search.find(sought)
         found.append(own)
-        exact = mesh.surface if mesh.parameters is not None else None
-        parameters.append(own.place[:, :2] if exact is None else exact.placed(own.place))
+        parameters.append(search.pieces.placed(own.place))
         raised(states, own.on, own.full, own.point, own.order)
 
     def joined(field: str) -> np.ndarray:

@@ -12,7 +12,7 @@ from anamorph.base.errors import AnamorphError
 from anamorph.base.vectors import tuple_of
 from anamorph.files.opening import open_scene
 from anamorph.optics.dispersion import line_indices
-from anamorph.reflections.lens_searching import LensSearch
+from anamorph.reflections.lens_searching import LensFaces, LensSearch
 from anamorph.reflections.reflection_points import ReflectionStatus, finite, raised
 from anamorph.scene.camera import Camera
 from anamorph.scene.checks import check_contents
@@ -130,23 +130,23 @@ def refraction_points(
         index = line_indices(glass.index, glass.abbe)[COLORS.index(color)]
         edge = None if pair.edge is None else checked.meshes[pair.edge]
         ways = (pair.front, pair.back), (pair.back, pair.front)
-        searches = [LensSearch.of(checked.meshes[near], checked.meshes[far], edge) for near, far in ways]
-        for (near, _), search in zip(ways, searches, strict=True):
-            if search.near.touched(place[None])[0]:
+        sides = [LensFaces.of(checked.meshes[near], checked.meshes[far], edge) for near, far in ways]
+        for (near, _), faces in zip(ways, sides, strict=True):
+            if faces.near.touched(place[None])[0]:
                 name = checked.meshes[near].name
                 raise AnamorphError(f"eye {tuple_of(place)} is on the lens face '{name}'; move it away from it")
-        on = np.logical_or(*(search.far.touched(sought) for search in searches))
+        on = np.logical_or(*(faces.far.touched(sought) for faces in sides))
         away = np.flatnonzero(~on)
-        for way, search in zip(ways, searches, strict=True):
-            own = search.find(sought[away], place, index)
+        for way, faces in zip(ways, sides, strict=True):
+            own = LensSearch.of(faces, tuple_of(place), index).find(sought[away])
             own = replace(own, point=away[own.point])
             full = np.zeros(len(sought), bool)
             full[away] = own.full
             raised(states, on, full, own.point, own.order)
             found.append(own)
             meshes.append(np.broadcast_to(way, (len(own.point), 2)))
-            surfaces = search.near.surface, search.far.surface
-            parameters.append(np.stack([face.placed(own.place[:, i]) for i, face in enumerate(surfaces)], axis=1))
+            places = zip((faces.near, faces.far), np.moveaxis(own.place, 1, 0), strict=True)
+            parameters.append(np.stack([face.placed(each) for face, each in places], axis=1))
 
     def joined(field: str) -> np.ndarray:
         return np.concatenate([getattr(own, field) for own in found])

@@ -13,7 +13,7 @@ import numpy as np
 
 from anamorph.base.compiled import compiled
 from anamorph.base.vectors import Vector, along, dot
-from anamorph.reflections.path_length import Slopes, in_parameters, slopes_at
+from anamorph.reflections.path_length import Slopes, in_parameters, slopes_at, tangents_at
 from anamorph.surfaces.expansion import shifted
 
 STEPS = 16
@@ -26,7 +26,7 @@ DAMPING = 1e-7
 """The share of the greatest bend below which the length counts as flat, and no step is taken."""
 
 FLAT = 1e-6
-"""The least bend, as a share of the greatest, below which a reflection point is a focus."""
+"""The least bend below which a reflection point is a focus, as a share of that on a flat mirror in its direction."""
 
 AT_TWIN = 3.0
 """Pieces: a twin further away has been found by itself."""
@@ -86,10 +86,13 @@ def settle(
         ok[i] = fine and length <= NEAR * size
         if not ok[i]:
             continue
-        weak, strong, x, y = bends(slopes)
+        weak, x, y = bends(slopes)
         to_eye, to_point = along(eye, -1.0, position), along(point, -1.0, position)
         far, near = math.sqrt(dot(to_eye, to_eye)), math.sqrt(dot(to_point, to_point))
-        focus = abs(weak) <= FLAT * (abs(strong) + 1.0 / far + 1.0 / near)
+        _, _, _, one, other, _ = tangents_at(kind, numbers, place)
+        way = along(along((0.0, 0.0, 0.0), x, one), y, other)
+        spread = (1.0 - (dot(way, to_eye) / far) ** 2) / far + (1.0 - (dot(way, to_point) / near) ** 2) / near
+        focus = abs(weak) <= FLAT * spread
         # How much the bend changes: the slopes on both sides cancel but for that.
         ahead = AHEAD * lengths[i]
         a, b = in_parameters(frame, ahead * x, ahead * y)
@@ -124,8 +127,8 @@ def newton(slopes: Slopes) -> tuple[float, float]:
 
 
 @compiled
-def bends(slopes: Slopes) -> tuple[float, float, float, float]:
-    """The least and the greatest bend of the length of the path, and the direction of the least."""
+def bends(slopes: Slopes) -> tuple[float, float, float]:
+    """The least bend of the length of the path, and its direction."""
     xx, xy, yy = slopes[2], 0.5 * (slopes[3] + slopes[4]), slopes[5]
     middle, half = 0.5 * (xx + yy), math.hypot(0.5 * (xx - yy), xy)
     weak = middle - half if middle > 0.0 else middle + half
@@ -133,5 +136,5 @@ def bends(slopes: Slopes) -> tuple[float, float, float, float]:
     x, y = (-xy, xx - weak) if abs(xx - weak) > abs(yy - weak) else (yy - weak, -xy)
     length = math.hypot(x, y)
     if length == 0.0:
-        return weak, 2.0 * middle - weak, 1.0, 0.0
-    return weak, 2.0 * middle - weak, x / length, y / length
+        return weak, 1.0, 0.0
+    return weak, x / length, y / length

@@ -10,9 +10,9 @@ import math
 import numpy as np
 
 from anamorph.base.compiled import compiled
-from anamorph.base.vectors import Vector
+from anamorph.base.vectors import Vector, along, dot
 from anamorph.reflections.lens_length import Frame, Pair, Square, lens_slopes
-from anamorph.reflections.path_length import in_parameters
+from anamorph.reflections.path_length import in_parameters, tangents_at
 from anamorph.reflections.stationary import (
     AHEAD,
     AT_TWIN,
@@ -93,8 +93,12 @@ def settle_through(
         ok[i] = fine and length <= NEAR * size
         if not ok[i]:
             continue
-        weak, strong, x, y = bends(slopes)
-        focus = abs(weak) <= FLAT * (abs(strong) + 1.0 / path)
+        weak, x, y = bends(slopes)
+        # At a focus, what comes after the near face undoes the bend that the eye's own distance makes.
+        _, _, _, right, up, _ = tangents_at(near_kind, near_numbers, place)
+        way, to_eye = along(along((0.0, 0.0, 0.0), x, right), y, up), along(eye, -1.0, near[0])
+        from_eye = math.sqrt(dot(to_eye, to_eye))
+        focus = abs(weak) <= FLAT * (1.0 - (dot(way, to_eye) / from_eye) ** 2) / from_eye
         # How much the bend changes: the slopes on both sides cancel but for that.
         ahead, change = AHEAD * lengths[i], 0.0
         a, b = in_parameters(near[2], ahead * x, ahead * y)

@@ -48,7 +48,7 @@ def visible(
     -------
     (M,) bool
     """
-    ends = found.position.reshape(len(found.position), -1, 3)
+    ends = found.position if found.position.ndim == 3 else found.position[:, None]
     start = np.broadcast_to(np.asarray(eye.position, float), found.direction.shape)
     records = drain(_tracer(scene, eye, size, ends.shape[1]).tracing(GivenRays(start, found.direction)))
     legs = np.linalg.norm(np.diff(np.concatenate([start[:, None], ends], axis=1), axis=1), axis=2)

@@ -28,12 +28,10 @@ def reflections_of(scene: Scene, eye: Camera, size: tuple[int, int], point: Vect
         assert found.image is not None
         status = max(status, ReflectionStatus(found.point_status[0]))
         seen = visible(scene, eye, points, found, size)
-        paths = found.position.reshape(len(found.point), -1, 3)
-        meshes = found.mesh.reshape(len(found.point), -1)[:, 0]
         rows += [
             Reflection(
-                name=scene.meshes[meshes[row]].name,
-                path=tuple(tuple_of(place) for place in paths[row]),
+                name=scene.meshes[np.atleast_1d(found.mesh[row])[0]].name,
+                path=tuple(tuple_of(place) for place in np.atleast_2d(found.position[row])),
                 pixel=(float(x / w), float(y / w)) if w > 0.0 else None,
                 length=float(found.length[row]),
                 order=int(found.order[row]),

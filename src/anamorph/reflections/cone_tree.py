@@ -19,7 +19,7 @@ from anamorph.raytriangle.rows import packed
 from anamorph.raytriangle.scaled import scaled_rays
 from anamorph.reflections.charts import Chart
 
-PAD = 0.1
+PAD = 0.2
 """How far outside a piece, in its weights, a ray may start that is still the piece's own."""
 
 WIDER = 1.0 + 3.0 * PAD

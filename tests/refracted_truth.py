@@ -143,6 +143,45 @@ def points_behind(trial: LensTrial, count: int, seed: int, nearest: float = 1e-3
     return exits + trial.size * far * ways
 
 
+def ball_ray(index: float, distance: float, angle: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Where light of an eye leaves a ball, and its unit direction then, (N, 2) each, in a plane through both centers.
+
+    The eye is `distance` from the center along the first axis, and light enters at `angle` (N,) from there.
+    """
+    turn = np.arctan2(RADIUS * np.sin(angle), distance - RADIUS * np.cos(angle))
+    # Angles of incidence have the sign of the angle.
+    outside = angle + turn
+    leave = angle + np.pi - 2.0 * np.arcsin(np.sin(outside) / index)
+    way = leave + outside
+    return RADIUS * np.stack([np.cos(leave), np.sin(leave)], axis=-1), np.stack([np.cos(way), np.sin(way)], axis=-1)
+
+
+def beside_caustic(index: float, eye: np.ndarray, count: int, seed: int) -> tuple[np.ndarray, np.ndarray]:
+    """Where rays of an eye enter a ball, and points on them close to where each touches the caustic, (N, 3) each."""
+    random = np.random.default_rng(seed)
+    distance = float(np.linalg.norm(eye - CENTER))
+    angle, step = random.uniform(0.15, 0.9, count) * np.arccos(RADIUS / distance), 1e-5
+    (ends, ways), low, high = (ball_ray(index, distance, angle + shift) for shift in (0.0, -step, step))
+
+    def crossed(one: np.ndarray, other: np.ndarray) -> np.ndarray:
+        return one[:, 0] * other[:, 1] - one[:, 1] * other[:, 0]
+
+    touching = -crossed(high[0] - low[0], ways) / crossed(high[1] - low[1], ways)
+    away = 10.0 ** random.uniform(-6.0, -1.0, count) * np.where(random.random(count) < 0.5, 1.0, -1.0)
+    flat = ends + (touching * (1.0 + away))[:, None] * ways
+    axis = (eye - CENTER) / distance
+    aside = np.cross(axis, random.normal(size=(count, 3)))
+    aside /= np.linalg.norm(aside, axis=1, keepdims=True)
+
+    def placed(places: np.ndarray) -> np.ndarray:
+        return CENTER + places[:, :1] * axis + places[:, 1:] * aside
+
+    entries, leaving = placed(RADIUS * np.stack([np.cos(angle), np.sin(angle)], axis=-1)), placed(ends)
+    held = (touching > 0.0) & (entries[:, 2] > 0.0) & (leaving[:, 2] < 0.0)
+    held &= np.max([np.hypot(each[:, 0], each[:, 1]) for each in (entries, leaving)], axis=0) < 0.999 * RIM
+    return entries[held], placed(flat)[held]
+
+
 def ball_points(index: float, eye: np.ndarray, points: np.ndarray, count: int = 2000) -> list[np.ndarray]:
     """Of each point all places, (K, 3), by which an eye sees it through a ball: roots of one variable.
 
@@ -163,16 +202,7 @@ def ball_points(index: float, eye: np.ndarray, points: np.ndarray, count: int = 
             angle: np.ndarray, distance: float = distance, x: float = x, y: float = y
         ) -> tuple[np.ndarray, np.ndarray]:
             """By how much the ray that enters there passes the point, and how far along it that is."""
-            enter = RADIUS * np.stack([np.cos(angle), np.sin(angle)], axis=-1)
-            away = enter - (distance, 0.0)
-            # Angles of incidence have the sign of the angle.
-            turn = np.arctan2(away[:, 1], -away[:, 0])
-            outside = angle + turn
-            inside = np.arcsin(np.sin(outside) / index)
-            leave = angle + np.pi - 2.0 * inside
-            way = leave + outside
-            ends = RADIUS * np.stack([np.cos(leave), np.sin(leave)], axis=-1)
-            ahead = np.stack([np.cos(way), np.sin(way)], axis=-1)
+            ends, ahead = ball_ray(index, distance, angle)
             to = np.array([x, y]) - ends
             return to[:, 0] * ahead[:, 1] - to[:, 1] * ahead[:, 0], np.sum(to * ahead, axis=1)
 
@@ -221,7 +251,7 @@ def dense_points(trial: LensTrial, points: np.ndarray, rings: int = 40) -> tuple
         rows, ok = np.zeros((len(starts), WORDS)), np.zeros(len(starts), bool)
         settle_through(
             *kinds[0], *kinds[1], trial.index, trial.size, tuple(trial.eye.tolist()),
-            np.broadcast_to(point, (len(starts), 3)), starts, np.full(len(starts), trial.size / rings),
+            np.broadcast_to(point, (len(starts), 3)), starts, np.full(len(starts), trial.size / rings), False,
             0, len(starts), rows, ok,
         )  # fmt: skip
         entry, leave = rows[:, POSITION : POSITION + 3], rows[:, FAR_POSITION : FAR_POSITION + 3]

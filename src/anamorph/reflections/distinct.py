@@ -15,10 +15,10 @@ SAME = 1e-6
 TWINS = 4
 """How often the twins of new places are searched for."""
 
-Settled = Callable[[np.ndarray, np.ndarray, np.ndarray], tuple[np.ndarray, np.ndarray, np.ndarray]]
-"""Searches from some starts: of which points (S,), in which pieces (S,), and at which places (S, K). Of those that lead
-to something it returns the rows, whose last K numbers are the place of a twin or NaN; the triangles there (F, T); and
-the numbers of the starts (F,)."""
+Settled = Callable[[np.ndarray, np.ndarray, np.ndarray, bool], tuple[np.ndarray, np.ndarray, np.ndarray]]
+"""Searches from some starts: of which points (S,), in which pieces (S,), at which places (S, K), and whether only where
+two places may be about to merge. Of those that lead to something it returns the rows, whose last K numbers are the
+place of a twin or NaN; the triangles there (F, T); and the numbers of the starts (F,)."""
 
 
 def distinct(
@@ -43,8 +43,14 @@ def distinct(
     """
     words, kept, rows = places.shape[1], np.zeros((0, 3), np.int64), np.zeros((0, 0))
     for turn in range(1 + TWINS):
-        new, triangles, found = settled(point, piece, places)
+        new, triangles, found = settled(point, piece, places, False)
         own = np.column_stack([point[found], piece[found], triangles])
+        if not turn:
+            rest = np.delete(np.arange(len(point)), found)
+            more, there, again = settled(point[rest], piece[rest], places[rest], True)
+            again = rest[again]
+            own = np.concatenate([own, np.column_stack([point[again], piece[again], there])])
+            new = np.concatenate([new, more])
         fresh = np.arange(len(kept) + len(own)) >= len(kept)
         kept, rows = (np.concatenate([kept, own]), np.concatenate([rows, new])) if turn else (own, new)
         order = np.argsort(kept[:, 0], kind="stable")

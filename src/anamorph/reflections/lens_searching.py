@@ -133,9 +133,9 @@ class LensSearch:
         places = np.concatenate([places, started])
 
         def settled(
-            point: np.ndarray, piece: np.ndarray, places: np.ndarray
+            point: np.ndarray, piece: np.ndarray, places: np.ndarray, at_folds: bool
         ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-            return self._settled(points, point, piece, places)
+            return self._settled(points, point, piece, places, at_folds)
 
         point, triangles, rows = distinct(settled, point, piece, places, chart.size)
         pairs = [
@@ -158,6 +158,7 @@ class LensSearch:
         point: np.ndarray,
         piece: np.ndarray,
         places: np.ndarray,
+        at_folds: bool,
     ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """The rows of what is found from some starts, its triangles, and the numbers of these starts."""
         faces = self.faces
@@ -168,7 +169,7 @@ class LensSearch:
         def work(start: int, stop: int) -> None:
             settle_through(
                 near.kind, near.numbers, far.kind, far.numbers, self.index, near.size, eye, sought, places, lengths,
-                start, stop, rows, ok,
+                at_folds, start, stop, rows, ok,
             )  # fmt: skip
 
         over_all_cores(work, len(point), GRAIN)

@@ -84,9 +84,9 @@ class MirrorSearch:
         point, piece, places = point[started], piece[started], places[started]
 
         def settled(
-            point: np.ndarray, piece: np.ndarray, places: np.ndarray
+            point: np.ndarray, piece: np.ndarray, places: np.ndarray, at_folds: bool
         ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-            return self._settled(points, point, piece, places)
+            return self._settled(points, point, piece, places, at_folds)
 
         point, triangles, rows = distinct(settled, point, piece, places, chart.size)
         return OnMirror(
@@ -131,7 +131,7 @@ class MirrorSearch:
         return started
 
     def _settled(
-        self, points: np.ndarray, point: np.ndarray, piece: np.ndarray, places: np.ndarray
+        self, points: np.ndarray, point: np.ndarray, piece: np.ndarray, places: np.ndarray, at_folds: bool
     ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """The rows of what is found from some starts, its triangles, and the numbers of these starts."""
         chart = self.pieces.chart
@@ -139,7 +139,20 @@ class MirrorSearch:
         sought, lengths = points[point], self.pieces.lengths[piece]
 
         def work(start: int, stop: int) -> None:
-            settle(chart.kind, chart.numbers, chart.size, self.eye, sought, places, lengths, start, stop, rows, ok)
+            settle(
+                chart.kind,
+                chart.numbers,
+                chart.size,
+                self.eye,
+                sought,
+                places,
+                lengths,
+                at_folds,
+                start,
+                stop,
+                rows,
+                ok,
+            )
 
         over_all_cores(work, len(point), GRAIN)
         position, normal = rows[:, POSITION : POSITION + 3], rows[:, NORMAL : NORMAL + 3]

@@ -18,7 +18,9 @@ from anamorph.reflections.stationary import (
     AT_TWIN,
     CLOSE,
     FLAT,
+    FOLD_STEPS,
     LENGTH,
+    LEVEL,
     NEAR,
     NORMAL,
     ORDER,
@@ -26,6 +28,7 @@ from anamorph.reflections.stationary import (
     POSITION,
     STEPS,
     bends,
+    folded,
     newton,
 )
 from anamorph.surfaces.expansion import shifted
@@ -47,6 +50,7 @@ def settle_through(
     points: np.ndarray,
     places: np.ndarray,
     lengths: np.ndarray,
+    at_folds: bool,
     start: int,
     stop: int,
     out: np.ndarray,
@@ -67,6 +71,8 @@ def settle_through(
         Where the search starts: on the near face, and on the far one.
     lengths : (S,) float64
         Of the piece that it starts in: no step on the near face is longer than twice that.
+    at_folds : bool
+        As for `settle`.
     out : (S, 26) float64
         Filled.
     ok : (S,) bool
@@ -76,21 +82,33 @@ def settle_through(
         point = (points[i, 0], points[i, 1], points[i, 2])
         place, other = (places[i, 0], places[i, 1], places[i, 2]), (places[i, 3], places[i, 4], places[i, 5])
         length = math.inf
-        steps = 0
+        steps = -FOLD_STEPS if at_folds else 0
+        ahead = AHEAD * lengths[i]
         while True:
             fine, near, far, path, slopes, offset, follows, turned = lens_slopes(
                 near_kind, near_numbers, far_kind, far_numbers, index, place, other, eye, point
             )
             if not fine or length <= CLOSE * size or steps == STEPS:
                 break
-            x, y = newton(slopes)
+            if steps < 0:
+                weak, x, y = bends(slopes)
+                change = _change(
+                    near_kind, near_numbers, far_kind, far_numbers, index, place, other, eye, point,
+                    near[2], far[2], offset, follows, ahead, x, y,
+                )  # fmt: skip
+                if steps == -FOLD_STEPS and abs(weak) > AT_TWIN * lengths[i] * abs(change):
+                    fine = False
+                    break
+                x, y = folded(slopes, weak, x, y, change)
+            else:
+                x, y = newton(slopes)
             length = math.hypot(x, y)
             share = 2.0 * lengths[i] / length if length > 2.0 * lengths[i] else 1.0
             x, y = share * x, share * y
             length = max(length, math.hypot(*_following(offset, follows, x, y)))
             place, other = _moved(near_kind, far_kind, place, other, near[2], far[2], offset, follows, x, y)
             steps += 1
-        ok[i] = fine and length <= NEAR * size
+        ok[i] = fine and length <= NEAR * size and math.hypot(slopes[0], slopes[1]) <= LEVEL
         if not ok[i]:
             continue
         weak, x, y = bends(slopes)
@@ -99,17 +117,10 @@ def settle_through(
         way, to_eye = along(along((0.0, 0.0, 0.0), x, right), y, up), along(eye, -1.0, near[0])
         from_eye = math.sqrt(dot(to_eye, to_eye))
         focus = abs(weak) <= FLAT * (1.0 - (dot(way, to_eye) / from_eye) ** 2) / from_eye
-        # How much the bend changes: the slopes on both sides cancel but for that.
-        ahead, change = AHEAD * lengths[i], 0.0
-        a, b = in_parameters(near[2], ahead * x, ahead * y)
-        for side in (-ahead, ahead):
-            one, two = _moved(near_kind, far_kind, place, other, near[2], far[2], offset, follows, side * x, side * y)
-            fits, there, _, _, others, _, _, _ = lens_slopes(
-                near_kind, near_numbers, far_kind, far_numbers, index, one, two, eye, point
-            )
-            if fits:
-                change += others[0] * (there[2][0] * a + there[2][1] * b) + others[1] * there[2][2] * b
-        change /= ahead * ahead * ahead
+        change = _change(
+            near_kind, near_numbers, far_kind, far_numbers, index, place, other, eye, point,
+            near[2], far[2], offset, follows, ahead, x, y,
+        )  # fmt: skip
         twin, its_other = (np.nan, np.nan, np.nan), (np.nan, np.nan, np.nan)
         if not focus and 2.0 * abs(weak) <= AT_TWIN * lengths[i] * abs(change):
             away = -2.0 * weak / change
@@ -124,6 +135,38 @@ def settle_through(
         bend = slopes[2] * slopes[5] - slopes[3] * slopes[4]
         out[i, LENGTH] = path
         out[i, ORDER] = 0.0 if focus else math.copysign(1.0, -bend if turned else bend)
+
+
+@compiled
+def _change(
+    near_kind: int,
+    near_numbers: np.ndarray,
+    far_kind: int,
+    far_numbers: np.ndarray,
+    index: float,
+    place: Vector,
+    other: Vector,
+    eye: Vector,
+    point: Vector,
+    near: Frame,
+    far: Frame,
+    offset: Pair,
+    follows: Square,
+    ahead: float,
+    x: float,
+    y: float,
+) -> float:
+    """How much the bend along (x, y) changes a metre, from places `ahead` on both sides, as in `stationary`."""
+    a, b = in_parameters(near, ahead * x, ahead * y)
+    change = 0.0
+    for side in (-ahead, ahead):
+        one, two = _moved(near_kind, far_kind, place, other, near, far, offset, follows, side * x, side * y)
+        fits, there, _, _, slopes, _, _, _ = lens_slopes(
+            near_kind, near_numbers, far_kind, far_numbers, index, one, two, eye, point
+        )
+        if fits:
+            change += slopes[0] * (there[2][0] * a + there[2][1] * b) + slopes[1] * there[2][2] * b
+    return change / (ahead * ahead * ahead)
 
 
 @compiled

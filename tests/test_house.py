@@ -20,7 +20,7 @@ TESTS = sorted((ROOT / "tests").rglob("*.py"))
 
 ORDER = (
     "base", "surfaces", "scene", "lenses", "editing", "gallery", "files", "raymesh", "rays", "optics", "cameras",
-    "projection", "frame", "gpu", "raytriangle", "reflections", "methods", "inward", "measure", "rendering", "viewer",
+    "projection", "frame", "gpu", "raytriangle", "methods", "inward", "measure", "reflections", "rendering", "viewer",
     "bench", "cli",
 )  # fmt: skip
 """The rooms: each imports only itself and those that stand before it."""

@@ -30,6 +30,7 @@ if TYPE_CHECKING:
     from anamorph.scene.model import Diffuse as Diffuse
     from anamorph.scene.model import DirectionalLight as DirectionalLight
     from anamorph.scene.model import Glass as Glass
+    from anamorph.scene.model import LinearImage as LinearImage
     from anamorph.scene.model import Mesh as Mesh
     from anamorph.scene.model import Mirror as Mirror
     from anamorph.scene.model import PointLight as PointLight
@@ -57,7 +58,7 @@ _HOMES = {
     "anamorph.lenses.prescription": ("Prescription",),
     "anamorph.files.models": ("load_model",),
     "anamorph.scene.model": (
-        "AmbientLight", "Diffuse", "DirectionalLight", "Glass", "Mesh",
+        "AmbientLight", "Diffuse", "DirectionalLight", "Glass", "LinearImage", "Mesh",
         "Mirror", "PointLight", "Scene", "Sky", "Texture",
     ),
     "anamorph.files.opening": ("open_scene",),

@@ -1,0 +1,86 @@
+"""OpenEXR images: linear light, and further layers beside it, without loss.
+
+Format: openexr.com, read and written by its own library.
+"""
+
+from __future__ import annotations
+
+import io
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+REC_709 = (0.64, 0.33, 0.30, 0.60, 0.15, 0.06, 0.3127, 0.3290)
+"""Chromaticities of red, green, blue and white."""
+
+AXES = "XYZ"
+"""What the numbers of a vector are called in a layer."""
+
+
+def decode_exr(data: bytes, most_pixels: int) -> np.ndarray:
+    """The colours of the first part of an .exr file, (H, W, 3) float32; one of a single channel Y or R is grey.
+
+    Raises
+    ------
+    ValueError
+        Damage, more than `most_pixels`, or something that is not read: deep or subsampled pixels, a data window of its
+        own, other primaries than those of Rec. 709, no colours. It says which.
+    """
+    header = _opened(data, header_only=True).header()
+    low, high = header["dataWindow"]
+    width, height = (int(extent) for extent in np.subtract(high, low) + 1)
+    if not 0 < width * height <= most_pixels:
+        raise ValueError(f"{width} x {height} pixels, and at most {most_pixels} are read")
+    if not np.array_equal(header["dataWindow"], header["displayWindow"]):
+        raise ValueError("a data window that is not its display window")
+    if "deep" in str(header.get("type", "")):
+        raise ValueError("deep pixels")
+    primaries = header.get("chromaticities", REC_709)
+    if np.abs(np.subtract(primaries, REC_709)).max() > 1e-3:
+        raise ValueError("other primaries than those of Rec. 709")
+    channels = _opened(data).channels()
+    names = next((names for names in ("RGB", "YYY", "RRR") if set(names) <= channels.keys()), None)
+    if names is None:
+        raise ValueError(f"the channels {', '.join(sorted(channels))}, and neither R, G, B nor Y")
+    colors = [channels[name].pixels for name in names]
+    if any(color.shape != (height, width) for color in colors):
+        raise ValueError("subsampled colours")
+    return np.stack(colors, axis=-1).astype(np.float32)
+
+
+def encode_exr(color: np.ndarray, layers: Mapping[str, np.ndarray]) -> bytes:
+    """Linear Rec. 709 light (H, W, 3) as R, G and B, and `layers`, (H, W) or (H, W, 3), as the bytes of an .exr file.
+
+    A layer NAME becomes the channel NAME, or NAME.X, NAME.Y and NAME.Z: whole numbers as uint32, others as float32.
+    """
+    import OpenEXR
+
+    channels = dict(zip("RGB", np.moveaxis(color, -1, 0), strict=True))
+    for name, values in layers.items():
+        if values.ndim == 2:
+            channels[name] = values
+        else:
+            channels |= {f"{name}.{axis}": values[..., i] for i, axis in enumerate(AXES)}
+    forms = {name: np.uint32 if values.dtype.kind == "u" else np.float32 for name, values in channels.items()}
+    packed = {name: np.ascontiguousarray(values, forms[name]) for name, values in channels.items()}
+    header = {
+        "compression": OpenEXR.ZIP_COMPRESSION,
+        "type": OpenEXR.scanlineimage,
+        "chromaticities": REC_709,
+    }
+    file = io.BytesIO()
+    OpenEXR.File(header, packed).write(file)
+    return file.getvalue()
+
+
+def _opened(data: bytes, **options: bool) -> Any:
+    # The library is loaded by who reads or writes such a file, and by nobody else.
+    import OpenEXR
+
+    try:
+        return OpenEXR.File(io.BytesIO(data), separate_channels=True, **options)
+    # Damage of every kind surfaces in the library as an error of some kind.
+    except Exception as error:
+        said = (str(error).splitlines() or [""])[0][:120] or type(error).__name__
+        raise ValueError(said) from None

@@ -6,13 +6,20 @@ Format: openexr.com, read and written by its own library.
 from __future__ import annotations
 
 import io
-from collections.abc import Mapping
+import os
+import sys
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager, redirect_stdout
+from threading import Lock
 from typing import Any
 
 import numpy as np
 
 REC_709 = (0.64, 0.33, 0.30, 0.60, 0.15, 0.06, 0.3127, 0.3290)
 """Chromaticities of red, green, blue and white."""
+
+_PRINTING = Lock()
+"""Who is about to turn the process's output away."""
 
 AXES = "XYZ"
 """What the numbers of a vector are called in a layer."""
@@ -79,8 +86,29 @@ def _opened(data: bytes, **options: bool) -> Any:
     import OpenEXR
 
     try:
-        return OpenEXR.File(io.BytesIO(data), separate_channels=True, **options)
+        with _unprinted():
+            file = OpenEXR.File(io.BytesIO(data), separate_channels=True, **options)
+            damaged = not file.parts
     # Damage of every kind surfaces in the library as an error of some kind.
-    except Exception as error:
-        said = (str(error).splitlines() or [""])[0][:120] or type(error).__name__
-        raise ValueError(said) from None
+    except Exception:
+        damaged = True
+    if damaged:
+        raise ValueError("no whole .exr image")
+    return file
+
+
+@contextmanager
+def _unprinted() -> Iterator[None]:
+    """Keep off stdout and stderr what the library prints of damage: its callers say it in one line."""
+    with _PRINTING, open(os.devnull, "wb") as nowhere:
+        sys.stdout.flush()
+        kept = [(number, os.dup(number)) for number in (1, 2)]
+        try:
+            for number, _ in kept:
+                os.dup2(nowhere.fileno(), number)
+            with redirect_stdout(io.StringIO()):
+                yield
+        finally:
+            for number, copy in kept:
+                os.dup2(copy, number)
+                os.close(copy)

@@ -38,6 +38,7 @@ EXAMPLES = """examples:
   anamorph turntable car-mirror -o mirror.webm --swing 20
   anamorph turntable car-mirror-1.toml --path -o path.webm
   anamorph turntable model.glb -o frames --frames 36 --size 800x600 --samples 2
+  anamorph export car-mirror -o mirror.glb
   anamorph reflections torus --point -0.54 0 -4.07 -o seen.png
   anamorph bench deforming
   anamorph bench trilinear --output times
@@ -193,6 +194,10 @@ def make_parser() -> argparse.ArgumentParser:
     course.add_argument("--path", action="store_true", help=path)
     turntable.add_argument("--samples", metavar="N", type=_samples, default=1, help="N x N samples a pixel (1)")
 
+    export = command("export", "write a scene as a glTF file, for other programs")
+    export.add_argument("scene", metavar="SCENE|MODEL", help=scene)
+    export.add_argument("-o", "--output", metavar="FILE.glb", type=Path, required=True, help="the file")
+
     reflections = command("reflections", "find all places of mirrors that show a point, and mark them in an image")
     reflections.add_argument("scene", metavar="SCENE|MODEL", help=scene)
     place = "the point, metres"
@@ -241,7 +246,7 @@ def make_parser() -> argparse.ArgumentParser:
         again.add_argument("--quick", action="store_true", help="small images and scenes: does it work?")
         again.add_argument("--part", metavar="PART", action="append", help=f"{parts}; may be repeated (all)")
 
-    for added in (render, compare, view, turntable, reflections):
+    for added in (render, compare, view, turntable, export, reflections):
         add_cad_options(added)
     command("scenes", "list the built-in scenes")
     command("info", "print the graphics adapter, the versions, the methods, and what auto chooses by")

@@ -175,6 +175,17 @@ def _turntable(arguments: argparse.Namespace) -> None:
     print(summary)
 
 
+def _export(arguments: argparse.Namespace) -> None:
+    from anamorph.files.gltf.exporting import SUFFIXES, save_gltf
+    from anamorph.files.opening import open_scene
+
+    check_output(arguments.output, SUFFIXES)
+    with progress_bar(f"opening {arguments.scene}"):
+        scene, _ = open_scene(arguments.scene, face_choice(arguments), arguments.mirror_of)
+    save_gltf(arguments.output, scene)
+    print(f"{len(scene.meshes)} parts, as triangles; sky and ambient light have no place in glTF")
+
+
 def _reflections(arguments: argparse.Namespace) -> None:
     from anamorph.base.vectors import tuple_of
     from anamorph.cli.reflected_point import point_table
@@ -329,6 +340,7 @@ COMMANDS = {
     "compare": _compare,
     "view": _view,
     "turntable": _turntable,
+    "export": _export,
     "reflections": _reflections,
     "bench choice": _bench_choice,
     "bench deforming": _bench_deforming,

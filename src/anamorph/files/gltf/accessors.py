@@ -13,6 +13,7 @@ import numpy as np
 from anamorph.files.gltf.container import Container
 
 COMPONENTS = {5120: "<i1", 5121: "<u1", 5122: "<i2", 5123: "<u2", 5125: "<u4", 5126: "<f4"}
+UNSIGNED = (5121, 5123, 5125)
 WIDTHS = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4, "MAT4": 16}
 
 MOST_NUMBERS = 2**28
@@ -39,10 +40,10 @@ def numbers(container: Container, number: object, what: str, *kinds: str) -> np.
 
 def whole_numbers(container: Container, number: object, what: str, kind: str) -> np.ndarray:
     """The elements of an accessor of unsigned integers, (N, width) int64."""
-    _, values = _elements(container, number, what, (kind,))
-    if values.dtype.kind != "u":
-        container.wrong(f"accessor {number}, {what}: holds {values.dtype}, and must hold unsigned integers")
-    return values.astype(np.int64)
+    component = container.entry("accessors", number).get("componentType")
+    if component not in UNSIGNED:
+        container.wrong(f"accessor {number}, {what}: its componentType is {component!r:.60}, no unsigned integer's")
+    return _elements(container, number, what, (kind,))[1].astype(np.int64)
 
 
 def _elements(
@@ -86,10 +87,11 @@ def _replaced(container: Container, sparse: Any, where: str, values: np.ndarray)
     if not isinstance(sparse, dict) or not all(isinstance(sparse.get(key), dict) for key in ("indices", "values")):
         container.wrong(f"{where}: its sparse part is damaged")
     count, where = container.whole(sparse, "count", where), f"{where}, sparse"
-    form = COMPONENTS.get(sparse["indices"].get("componentType"), "")
-    if form not in ("<u1", "<u2", "<u4"):
-        container.wrong(f"{where}: its indices are no unsigned integers")
-    places = _packed(container, sparse["indices"], where, count, 1, np.dtype(form))[:, 0].astype(np.int64)
+    component = sparse["indices"].get("componentType")
+    if component not in UNSIGNED:
+        container.wrong(f"{where}: the componentType of its indices is {component!r:.60}, no unsigned integer's")
+    form = np.dtype(COMPONENTS[component])
+    places = _packed(container, sparse["indices"], where, count, 1, form)[:, 0].astype(np.int64)
     if count and places.max() >= len(values):
         container.wrong(f"{where}: names element {places.max()}, and there are {len(values)}")
     values[places] = _packed(container, sparse["values"], where, count, values.shape[1], values.dtype)

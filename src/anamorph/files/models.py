@@ -23,9 +23,9 @@ from anamorph.base.errors import AnamorphError, nearest
 from anamorph.files import cad
 from anamorph.files.gltf.gltf_shapes import gltf_shapes
 from anamorph.files.materials import appearance
+from anamorph.files.model_shape import ModelShape, cofactors
 from anamorph.files.normals import creased, repaired, with_winding
 from anamorph.files.reading import Folder, as_utf8, read
-from anamorph.files.shapes import Shape, cofactors
 from anamorph.files.source import FaceChoice
 from anamorph.scene.checks import check_triangles
 from anamorph.scene.model import Mesh, Texture
@@ -95,7 +95,7 @@ def load_parts(
     return uniquely_named(kept)
 
 
-def _far_middle(shapes: list[Shape]) -> np.ndarray:
+def _far_middle(shapes: list[ModelShape]) -> np.ndarray:
     """The middle of all vertices, float64, where they are far from the origin; else the origin."""
     with np.errstate(all="ignore"):
         points = [shape.positions @ shape.matrix[:3, :3].T + shape.matrix[:3, 3] for shape in shapes]
@@ -147,7 +147,7 @@ def _parse(data: bytes, path: Path) -> trimesh.Scene:
     return scene
 
 
-def _shapes(data: bytes, path: Path) -> list[Shape]:
+def _shapes(data: bytes, path: Path) -> list[ModelShape]:
     """The shapes of a file that trimesh reads, in an order that is always the same."""
     scene, textures = _parse(data, path), dict[int, Texture]()
     order = {name: number for number, name in enumerate(scene.geometry)}
@@ -160,7 +160,7 @@ def _shapes(data: bytes, path: Path) -> list[Shape]:
     ]
 
 
-def _shape(path: Path, name: str, geometry: Any, matrix: np.ndarray, textures: dict[int, Texture]) -> Shape:
+def _shape(path: Path, name: str, geometry: Any, matrix: np.ndarray, textures: dict[int, Texture]) -> ModelShape:
     where = f"{path}: part '{name}'"
     positions, faces = np.asarray(geometry.vertices, float), np.asarray(geometry.faces, np.int64).reshape(-1, 3)
     check_triangles(where, positions, faces)
@@ -172,10 +172,10 @@ def _shape(path: Path, name: str, geometry: Any, matrix: np.ndarray, textures: d
         # One colour a face: each face gets vertices of its own, and `appearance` has given each of them its colour.
         positions, normals = positions[faces].reshape(-1, 3), None if normals is None else normals[faces].reshape(-1, 3)
         faces = np.arange(len(positions)).reshape(-1, 3)
-    return Shape(name, positions, faces, normals, matrix, material, material_name, texcoords, colors)
+    return ModelShape(name, positions, faces, normals, matrix, material, material_name, texcoords, colors)
 
 
-def _part(path: Path, shape: Shape) -> Part | None:
+def _part(path: Path, shape: ModelShape) -> Part | None:
     """A shape in the world; None where none of its triangles has an area."""
     where = f"{path}: part '{shape.name}'"
     positions, faces, normals, matrix = shape.positions, shape.faces, shape.normals, shape.matrix

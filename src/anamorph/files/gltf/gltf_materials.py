@@ -52,7 +52,7 @@ class GltfMaterial:
 
 
 @dataclass(frozen=True, eq=False)
-class Materials:
+class GltfMaterials:
     """The materials of a file; images that several of them share are read once."""
 
     container: Container

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import os
 
 import numpy as np
 import OpenEXR
@@ -69,7 +70,13 @@ def test_damage_is_refused_without_a_word_of_the_librarys(share: float, capfd: p
     assert capfd.readouterr() == ("", "")
 
 
+def test_an_attribute_of_another_type_is_refused() -> None:
+    data = encode_exr(COLOR, {}).replace(b"chromaticities\0chromaticities\0", b"chromaticities\0chromaticitiez\0")
+    with pytest.raises(ValueError, match="a damaged header"):
+        decode_exr(data, MOST)
+
+
 def test_what_is_printed_afterwards_is_seen_again(capfd: pytest.CaptureFixture[str]) -> None:
     decode_exr(encode_exr(COLOR, {}), MOST)
-    print("after")
+    os.write(1, b"after\n")
     assert capfd.readouterr().out == "after\n"

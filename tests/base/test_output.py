@@ -58,7 +58,7 @@ def test_npy_keeps_linear_floats(tmp_path):
 
 def test_exr_keeps_linear_floats_and_layers_and_hdr_what_it_has_place_for(tmp_path):
     bright = 10.0 * IMAGE
-    save_image(tmp_path / "a.tif", bright, {"status": np.ones((4, 5), np.uint8)})
+    save_image(tmp_path / "a.exr", bright, {"status": np.ones((4, 5), np.uint8)})
     assert np.array_equal(decode_exr((tmp_path / "a.exr").read_bytes(), 100), bright)
     save_image(tmp_path / "a.hdr", bright)
     assert decode_radiance((tmp_path / "a.hdr").read_bytes(), 100) == pytest.approx(bright, abs=10.0 / 256)

@@ -34,9 +34,25 @@ def decode_exr(data: bytes, most_pixels: int) -> np.ndarray:
         Damage, more than `most_pixels`, or something that is not read: deep or subsampled pixels, a data window of its
         own, other primaries than those of Rec. 709, no colours. It says which.
     """
-    header = _opened(data, header_only=True).header()
+    try:
+        width, height = _size(_opened(data, header_only=True).header(), most_pixels)
+    except (AttributeError, KeyError, TypeError, OverflowError):
+        # What damage leaves of an attribute is of another type.
+        raise ValueError("a damaged header") from None
+    channels = _opened(data).channels()
+    names = next((names for names in ("RGB", "YYY", "RRR") if set(names) <= channels.keys()), None)
+    if names is None:
+        raise ValueError(f"the channels {', '.join(sorted(channels))}, and neither R, G, B nor Y")
+    colors = [channels[name].pixels for name in names]
+    if any(color.shape != (height, width) for color in colors):
+        raise ValueError("subsampled colours")
+    return np.stack(colors, axis=-1).astype(np.float32)
+
+
+def _size(header: dict[str, Any], most_pixels: int) -> tuple[int, int]:
+    """Width and height of an image whose header names nothing that is not read."""
     low, high = header["dataWindow"]
-    width, height = (int(extent) for extent in np.subtract(high, low) + 1)
+    width, height = (int(extent) for extent in np.subtract(high, low, dtype=np.int64) + 1)
     if not 0 < width * height <= most_pixels:
         raise ValueError(f"{width} x {height} pixels, and at most {most_pixels} are read")
     if not np.array_equal(header["dataWindow"], header["displayWindow"]):
@@ -46,14 +62,7 @@ def decode_exr(data: bytes, most_pixels: int) -> np.ndarray:
     primaries = header.get("chromaticities", REC_709)
     if np.abs(np.subtract(primaries, REC_709)).max() > 1e-3:
         raise ValueError("other primaries than those of Rec. 709")
-    channels = _opened(data).channels()
-    names = next((names for names in ("RGB", "YYY", "RRR") if set(names) <= channels.keys()), None)
-    if names is None:
-        raise ValueError(f"the channels {', '.join(sorted(channels))}, and neither R, G, B nor Y")
-    colors = [channels[name].pixels for name in names]
-    if any(color.shape != (height, width) for color in colors):
-        raise ValueError("subsampled colours")
-    return np.stack(colors, axis=-1).astype(np.float32)
+    return width, height
 
 
 def encode_exr(color: np.ndarray, layers: Mapping[str, np.ndarray]) -> bytes:

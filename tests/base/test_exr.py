@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import io
 import os
+import subprocess
+import sys
 
 import numpy as np
 import OpenEXR
@@ -74,6 +76,20 @@ def test_an_attribute_of_another_type_is_refused() -> None:
     data = encode_exr(COLOR, {}).replace(b"chromaticities\0chromaticities\0", b"chromaticities\0chromaticitiez\0")
     with pytest.raises(ValueError, match="a damaged header"):
         decode_exr(data, MOST)
+
+
+def test_a_program_without_a_terminal_reads_and_writes_all_the_same() -> None:
+    code = """
+import os, sys
+import numpy as np, OpenEXR
+from anamorph.base.exr import decode_exr, encode_exr
+data = encode_exr(np.ones((2, 3, 3), np.float32), {})
+os.close(2)
+os.close(1)
+sys.stdout = None
+assert (decode_exr(data, 9) == 1.0).all()
+"""
+    assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
 
 
 def test_what_is_printed_afterwards_is_seen_again(capfd: pytest.CaptureFixture[str]) -> None:

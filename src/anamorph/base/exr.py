@@ -9,7 +9,7 @@ import io
 import os
 import sys
 from collections.abc import Iterator, Mapping
-from contextlib import contextmanager, redirect_stdout
+from contextlib import contextmanager, redirect_stdout, suppress
 from threading import Lock
 from typing import Any
 
@@ -53,7 +53,7 @@ def _size(header: dict[str, Any], most_pixels: int) -> tuple[int, int]:
     """Width and height of an image whose header names nothing that is not read."""
     low, high = header["dataWindow"]
     width, height = (int(extent) for extent in np.subtract(high, low, dtype=np.int64) + 1)
-    if not 0 < width * height <= most_pixels:
+    if min(width, height) < 1 or width * height > most_pixels:
         raise ValueError(f"{width} x {height} pixels, and at most {most_pixels} are read")
     if not np.array_equal(header["dataWindow"], header["displayWindow"]):
         raise ValueError("a data window that is not its display window")
@@ -110,8 +110,13 @@ def _opened(data: bytes, **options: bool) -> Any:
 def _unprinted() -> Iterator[None]:
     """Keep off stdout and stderr what the library prints of damage: its callers say it in one line."""
     with _PRINTING, open(os.devnull, "wb") as nowhere:
-        sys.stdout.flush()
-        kept = [(number, os.dup(number)) for number in (1, 2)]
+        kept = []
+        # A program without a terminal may have neither.
+        if sys.stdout is not None:
+            sys.stdout.flush()
+        for number in (1, 2):
+            with suppress(OSError):
+                kept.append((number, os.dup(number)))
         try:
             for number, _ in kept:
                 os.dup2(nowhere.fileno(), number)

@@ -84,8 +84,7 @@ import os, sys
 import numpy as np, OpenEXR
 from anamorph.base.exr import decode_exr, encode_exr
 data = encode_exr(np.ones((2, 3, 3), np.float32), {})
-os.close(2)
-os.close(1)
+os.closerange(0, 3)
 sys.stdout = None
 assert (decode_exr(data, 9) == 1.0).all()
 """

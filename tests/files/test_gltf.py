@@ -307,6 +307,15 @@ def shine(
         (shine(1.0, 0.3), Mirror((1.0, 0.75, 0.5), 0.8), "the roughness of mirrors"),
         (shine(1.0, 0.5), Diffuse((0.8, 0.6, 0.4)), "metals that are rough"),
         (shine(0.0, 0.0), Diffuse((0.8, 0.6, 0.4)), None),
+        # The older kind of material counts where both stand.
+        (
+            {
+                **shine(1.0, 0.0),
+                "extensions": {"KHR_materials_pbrSpecularGlossiness": {"diffuseFactor": [0.25, 0.5, 1.0]}},
+            },
+            Diffuse((0.25, 0.5, 1.0)),
+            None,
+        ),
         # What a file says that says nothing: metal, wholly rough.
         (shine(None, None), Diffuse((0.8, 0.6, 0.4)), None),
         (shine(1.0, 0.0, (0.0, 0.0, 0.0, 1.0)), Mirror((1.0, 1.0, 1.0), 0.0), None),

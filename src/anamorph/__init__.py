@@ -10,8 +10,11 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from anamorph.base.errors import AnamorphError as AnamorphError
+    from anamorph.base.notes import AnamorphNote as AnamorphNote
+    from anamorph.files.gltf.exporting import save_gltf as save_gltf
     from anamorph.files.models import load_model as load_model
     from anamorph.files.opening import open_scene as open_scene
+    from anamorph.files.sky_image import read_sky_image as read_sky_image
     from anamorph.frame import Frame as Frame
     from anamorph.frame import Status as Status
     from anamorph.lenses.lens import Lens as Lens
@@ -33,6 +36,7 @@ if TYPE_CHECKING:
     from anamorph.scene.model import Diffuse as Diffuse
     from anamorph.scene.model import DirectionalLight as DirectionalLight
     from anamorph.scene.model import Glass as Glass
+    from anamorph.scene.model import LinearImage as LinearImage
     from anamorph.scene.model import Mesh as Mesh
     from anamorph.scene.model import Mirror as Mirror
     from anamorph.scene.model import PointLight as PointLight
@@ -48,6 +52,7 @@ if TYPE_CHECKING:
 
 _HOMES = {
     "anamorph.base.errors": ("AnamorphError",),
+    "anamorph.base.notes": ("AnamorphNote",),
     "anamorph.frame": ("Frame", "Status"),
     "anamorph.measure.compare": ("compare",),
     "anamorph.methods": ("METHODS",),
@@ -60,9 +65,11 @@ _HOMES = {
     "anamorph.lenses.lens": ("Lens",),
     "anamorph.lenses.making": ("make_lens", "worn_lens"),
     "anamorph.lenses.prescription": ("Prescription",),
+    "anamorph.files.gltf.exporting": ("save_gltf",),
     "anamorph.files.models": ("load_model",),
+    "anamorph.files.sky_image": ("read_sky_image",),
     "anamorph.scene.model": (
-        "AmbientLight", "Diffuse", "DirectionalLight", "Glass", "Mesh",
+        "AmbientLight", "Diffuse", "DirectionalLight", "Glass", "LinearImage", "Mesh",
         "Mirror", "PointLight", "Scene", "Sky", "Texture",
     ),
     "anamorph.files.opening": ("open_scene",),

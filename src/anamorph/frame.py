@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from enum import IntEnum
 from pathlib import Path
@@ -98,6 +98,13 @@ class Frame:
     ray_mesh: bool = False
     figures: Mapping[str, float] = field(default_factory=dict)
 
-    def save(self, path: str | Path) -> None:
-        """Write the image, whole or not at all, in the format that the suffix of `path` names."""
-        save_image(Path(path), self.color)
+    def save(self, path: str | Path, seen: Iterable[str] = ()) -> None:
+        """Write the image, whole or not at all, in the format that the suffix of `path` names.
+
+        `seen` names buffers of this frame that an .exr file holds besides, as layers of their names: whole numbers as
+        uint32, others as float32.
+        """
+        layers = {name: getattr(self, name) for name in seen}
+        if missing := [name for name, buffer in layers.items() if buffer is None]:
+            raise AnamorphError(f"{path}: the frame was drawn without {', '.join(missing)}; draw it with seen buffers")
+        save_image(Path(path), self.color, layers)

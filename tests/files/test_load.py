@@ -146,7 +146,7 @@ def test_gltf_colours_are_exact_and_linear(tmp_path: Path) -> None:
 
 
 def test_gltf_vertex_colours_are_linear_with_and_without_a_material(tmp_path: Path) -> None:
-    attributes = {"POSITION": 0, "COLOR_0": 3}
+    attributes = {"POSITION": 0, "TEXCOORD_0": 1, "COLOR_0": 3}
     for number, material in enumerate([{"material": 0}, {}]):
         path = gltf(
             tmp_path, f"{number}.gltf", meshes=[{"primitives": [{"attributes": attributes, "indices": 2, **material}]}]
@@ -205,7 +205,7 @@ def test_normals_of_a_stretched_slope_stay_perpendicular(tmp_path: Path) -> None
 
 
 def test_parts_of_one_name_are_numbered_and_always_in_one_order(tmp_path: Path) -> None:
-    primitive = {"attributes": {"POSITION": 0}, "indices": 2}
+    primitive = {"attributes": {"POSITION": 0, "TEXCOORD_0": 1}, "indices": 2}
     path = gltf(
         tmp_path,
         "a.gltf",

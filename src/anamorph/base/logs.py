@@ -5,11 +5,17 @@ from __future__ import annotations
 import logging
 import warnings
 
+from anamorph.base.notes import print_notes
+
 
 def silence_libraries() -> None:
-    """Silence what libraries log and warn about themselves; what matters to a user arrives as an AnamorphError."""
+    """Silence what libraries log and warn about themselves.
+
+    What matters to a user arrives as an AnamorphError, or as a note.
+    """
     logging.disable(logging.CRITICAL)
     warnings.simplefilter("ignore")
+    print_notes()
 
 
 def show_errors_of_libraries(*loggers: str) -> None:

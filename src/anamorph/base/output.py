@@ -5,7 +5,7 @@ from __future__ import annotations
 import io
 import os
 import shutil
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, BinaryIO
@@ -14,11 +14,16 @@ import numpy as np
 from PIL import Image
 
 from anamorph.base.errors import AnamorphError
+from anamorph.base.exr import encode_exr
 from anamorph.base.interrupt import on_interrupt
+from anamorph.base.radiance import encode_radiance
 from anamorph.base.srgb import encode_srgb
 
-IMAGES = (".png", ".jpg", ".jpeg", ".webp", ".npy")
-"""Suffixes of image files: 8-bit sRGB, but `.npy`, which keeps the linear floats."""
+PIXELS = (".png", ".jpg", ".jpeg", ".webp")
+"""Suffixes of image files of 8-bit sRGB."""
+
+IMAGES = (*PIXELS, ".exr", ".hdr", ".npy")
+"""Suffixes of all image files: `.exr` and `.npy` keep the linear floats, and `.hdr` 8 bits of each and an exponent."""
 
 
 def check_output(path: str | Path, suffixes: tuple[str, ...] = ()) -> Path:
@@ -111,22 +116,37 @@ def save_array(path: str | Path, array: np.ndarray) -> None:
         np.save(file, array, allow_pickle=False)
 
 
-def save_image(path: str | Path, color: np.ndarray) -> None:
-    """Write linear colour (H, W, 3) in the format that the suffix names, one of `IMAGES`."""
+def save_image(path: str | Path, color: np.ndarray, layers: Mapping[str, np.ndarray] | None = None) -> None:
+    """Write linear colour (H, W, 3) in the format that the suffix names, one of `IMAGES`.
+
+    `layers` are further buffers of the same size, by their names; only `.exr` has place for them.
+    """
     path = check_output(path, IMAGES)
-    if path.suffix.lower() == ".npy":
+    suffix = path.suffix.lower()
+    if layers and suffix != ".exr":
+        raise AnamorphError(f"{path}: has no place for {', '.join(layers)}; end the name in .exr")
+    if suffix == ".npy":
         save_array(path, color)
         return
-    encoded = pixel_bytes(to_pixels(color), path.suffix)
+    if suffix == ".exr":
+        encoded = encode_exr(_finite(color), layers or {})
+    elif suffix == ".hdr":
+        encoded = encode_radiance(_finite(color))
+    else:
+        encoded = pixel_bytes(to_pixels(color), suffix)
     with whole_file(path) as file:
         file.write(encoded)
 
 
-def to_pixels(color: np.ndarray) -> np.ndarray:
-    """Linear colour (H, W, 3) as 8-bit sRGB pixels (H, W, 3)."""
+def _finite(color: np.ndarray) -> np.ndarray:
     if not np.isfinite(color).all():
         raise AnamorphError("the image holds values that are not finite; please report the scene that made them")
-    return np.round(255.0 * encode_srgb(color)).astype(np.uint8)
+    return color
+
+
+def to_pixels(color: np.ndarray) -> np.ndarray:
+    """Linear colour (H, W, 3) as 8-bit sRGB pixels (H, W, 3)."""
+    return np.round(255.0 * encode_srgb(_finite(color))).astype(np.uint8)
 
 
 def pixel_bytes(pixels: np.ndarray, suffix: str = ".png") -> bytes:

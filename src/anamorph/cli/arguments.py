@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, NoReturn
 
 from anamorph.base.errors import AnamorphError
-from anamorph.base.output import IMAGES
+from anamorph.base.output import IMAGES, PIXELS
 from anamorph.base.versions import versions
 from anamorph.base.video import MOST_FRAMES, VIDEOS
 from anamorph.files.source_words import Parser, add_cad_options
@@ -30,6 +30,7 @@ EXAMPLES = """examples:
   anamorph render model.glb -m environment -o model.png --size 1920x1080
   anamorph render car-mirror -m pervertex:antialias=4 -o mirror.webp --seen position=seen.npy
   anamorph render car-mirror --tolerance 0.5 -o sure.png --seen status=status.npy
+  anamorph render car-mirror -o mirror.exr --seen position object_id status
   anamorph render mirror.step --scene car-mirror --faces 1 -o mirror.png
   anamorph compare car-mirror -m pervertex -m environment --html report.html --json report.json
   anamorph view
@@ -37,6 +38,7 @@ EXAMPLES = """examples:
   anamorph turntable car-mirror -o mirror.webm --swing 20
   anamorph turntable car-mirror-1.toml --path -o path.webm
   anamorph turntable model.glb -o frames --frames 36 --size 800x600 --samples 2
+  anamorph export car-mirror -o mirror.glb
   anamorph reflections torus --point -0.54 0 -4.07 -o seen.png
   anamorph bench deforming
   anamorph bench trilinear --output times
@@ -107,11 +109,14 @@ def _metres(text: str) -> float:
     return metres
 
 
-def _seen(text: str) -> tuple[str, Path]:
+def _seen(text: str) -> tuple[str, Path | None]:
     name, equals, path = text.partition("=")
-    if name not in SEEN or not equals or not path:
-        raise argparse.ArgumentTypeError(f"'{text}' is no seen buffer; write NAME=FILE.npy with {', '.join(SEEN)}")
-    return name, Path(path)
+    if name not in SEEN or (equals and not path):
+        raise argparse.ArgumentTypeError(
+            f"'{text}' is no seen buffer; write NAME=FILE.npy, or NAME for a layer of an .exr image, "
+            f"with {', '.join(SEEN)}"
+        )
+    return name, Path(path) if equals else None
 
 
 def make_parser() -> argparse.ArgumentParser:
@@ -147,12 +152,12 @@ def make_parser() -> argparse.ArgumentParser:
     render.add_argument("--tolerance", metavar="PX", type=float, help=tolerance)
     render.add_argument(
         "--seen",
-        metavar="NAME=FILE.npy",
+        metavar="NAME[=FILE.npy]",
         type=_seen,
         nargs="+",
         action="extend",
         default=[],
-        help=f"also save what each pixel sees: {', '.join(SEEN)}",
+        help=f"also save what each pixel sees, in a file or as a layer of an .exr image: {', '.join(SEEN)}",
     )
 
     compare = command("compare", "measure methods against the ray-traced reference, and time them")
@@ -189,13 +194,18 @@ def make_parser() -> argparse.ArgumentParser:
     course.add_argument("--path", action="store_true", help=path)
     turntable.add_argument("--samples", metavar="N", type=_samples, default=1, help="N x N samples a pixel (1)")
 
+    export = command("export", "write a scene as a glTF file, for other programs")
+    export.add_argument("scene", metavar="SCENE|MODEL", help=scene)
+    export.add_argument("-o", "--output", metavar="FILE.glb", type=Path, required=True, help="the file")
+
     reflections = command("reflections", "find all places of mirrors that show a point, and mark them in an image")
     reflections.add_argument("scene", metavar="SCENE|MODEL", help=scene)
     place = "the point, metres"
     reflections.add_argument("--point", metavar=("X", "Y", "Z"), type=_metres, nargs=3, required=True, help=place)
     reflections.add_argument("-m", "--method", metavar="METHOD", type=_method, help=method)
-    marked = ", ".join(suffix for suffix in IMAGES if suffix != ".npy")
-    reflections.add_argument("-o", "--output", metavar="FILE", type=Path, help=f"an image with these marks: {marked}")
+    reflections.add_argument(
+        "-o", "--output", metavar="FILE", type=Path, help=f"an image with these marks: {', '.join(PIXELS)}"
+    )
     reflections.add_argument("--size", metavar="WxH", type=_size, help=size)
 
     bench = commands.add_parser("bench", help="time methods against the ray tracer", allow_abbrev=False)
@@ -236,7 +246,7 @@ def make_parser() -> argparse.ArgumentParser:
         again.add_argument("--quick", action="store_true", help="small images and scenes: does it work?")
         again.add_argument("--part", metavar="PART", action="append", help=f"{parts}; may be repeated (all)")
 
-    for added in (render, compare, view, turntable, reflections):
+    for added in (render, compare, view, turntable, export, reflections):
         add_cad_options(added)
     command("scenes", "list the built-in scenes")
     command("info", "print the graphics adapter, the versions, the methods, and what auto chooses by")

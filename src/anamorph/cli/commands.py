@@ -70,9 +70,13 @@ def _fail(message: str, code: int) -> int:
 
 def _render(arguments: argparse.Namespace) -> None:
     check_output(arguments.output, IMAGES)
-    for _, path in arguments.seen:
+    files = {name: path for name, path in arguments.seen if path is not None}
+    layers = [name for name, path in arguments.seen if path is None]
+    if layers and arguments.output.suffix.lower() != ".exr":
+        raise AnamorphError(f"--seen {layers[0]}: give it a file, as {layers[0]}=FILE.npy, or write an .exr image")
+    for path in files.values():
         check_output(path, (".npy",))
-    _check_distinct(arguments.output, *(path for _, path in arguments.seen))
+    _check_distinct(arguments.output, *files.values())
     from anamorph.files.opening import open_scene
     from anamorph.frame import View
     from anamorph.measure.status import gaps, status_shares
@@ -95,8 +99,8 @@ def _render(arguments: argparse.Namespace) -> None:
             report(done, total, f"{what}, image {done} of {total}" if total > 1 else what)
 
         frame = draw_frame(view, specification, True, drawn)
-    frame.save(arguments.output)
-    for name, path in arguments.seen:
+    frame.save(arguments.output, layers)
+    for name, path in files.items():
         save_array(path, getattr(frame, name))
     if frame.specular is not None:
         shares = {"doubtful": 0.0, **status_shares(frame, frame.specular > 0)}
@@ -169,6 +173,17 @@ def _turntable(arguments: argparse.Namespace) -> None:
         mirror_of=arguments.mirror_of,
     )
     print(summary)
+
+
+def _export(arguments: argparse.Namespace) -> None:
+    from anamorph.files.gltf.exporting import SUFFIXES, save_gltf
+    from anamorph.files.opening import open_scene
+
+    check_output(arguments.output, SUFFIXES)
+    with progress_bar(f"opening {arguments.scene}"):
+        scene, _ = open_scene(arguments.scene, face_choice(arguments), arguments.mirror_of)
+    save_gltf(arguments.output, scene)
+    print(f"{len(scene.meshes)} parts, as triangles; sky and ambient light have no place in glTF")
 
 
 def _reflections(arguments: argparse.Namespace) -> None:
@@ -325,6 +340,7 @@ COMMANDS = {
     "compare": _compare,
     "view": _view,
     "turntable": _turntable,
+    "export": _export,
     "reflections": _reflections,
     "bench choice": _bench_choice,
     "bench deforming": _bench_deforming,

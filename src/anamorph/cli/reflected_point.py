@@ -6,7 +6,7 @@ from pathlib import Path
 
 from rich.table import Table
 
-from anamorph.base.output import IMAGES, check_output, pixel_bytes, whole_file
+from anamorph.base.output import PIXELS, check_output, pixel_bytes, whole_file
 from anamorph.base.progress import progress_bar
 from anamorph.base.vectors import Vector
 from anamorph.files.opening import open_scene
@@ -20,9 +20,6 @@ from anamorph.viewer.facts import Reflections
 from anamorph.viewer.marked_image import marked_image
 from anamorph.viewer.panel.reflected import KNOWN, seen_text
 from anamorph.viewer.point_search import reflections_of
-
-PIXELS = tuple(suffix for suffix in IMAGES if suffix != ".npy")
-"""Marks are drawn into pixels; there are none of linear floats."""
 
 
 def point_table(

@@ -7,9 +7,11 @@
 | `model_scene`, `own_mirror` | a scene around a model; a CAD mirror in place of a scene's own |
 | `scene_file`, `part_tables` | the tables of a scene file, as a scene |
 | `models` | glTF, OBJ, STL, PLY, STEP and IGES as meshes |
-| `materials`, `gltf`, `normals` | what a model's parts look like, what its glTF header says, normals it lacks |
+| `gltf` | glTF, in and out |
+| `materials`, `model_shape`, `normals` | what a model's parts look like, as its file has them, and normals it lacks |
 | `cad`, `trimming`, `opencascade` | faces of CAD files, their triangles, and the process that reads them |
 | `source_words`, `source` | the words that name a scene, and what they mean |
 | `tables`, `key_lines`, `toml` | TOML in, with the lines of mistakes, and out |
+| `sky_image` | images of the sky, with light beyond white |
 | `reading` | bytes, text and textures from files |
 """

@@ -1,8 +1,8 @@
 """What the parts of a model file look like: material, texture coordinates and vertex colours.
 
-A glTF factor or vertex colour is linear by its specification. The bytes in PLY, STL and OBJ files, and Kd in an MTL
-file, have no such rule: they are what the programs that wrote them put on a screen unchanged, so they are taken as
-sRGB. Alpha is ignored: everything is opaque.
+The bytes of colours in PLY, STL and OBJ files, and Kd in an MTL file, are what the programs that wrote them put on a
+screen unchanged, so they are taken as sRGB. Alpha is ignored: everything is opaque. (What glTF files look like is told
+by `files/gltf`.)
 """
 
 from __future__ import annotations
@@ -11,15 +11,13 @@ from typing import Any
 
 import numpy as np
 
-from anamorph.base.errors import AnamorphError
 from anamorph.base.srgb import decode_srgb
-from anamorph.files.gltf import Gltf
 from anamorph.files.reading import to_texture
 from anamorph.scene.model import WHITE, Color, Diffuse, Texture
 
 
 def appearance(
-    where: str, geometry: Any, gltf: Gltf | None, textures: dict[int, Texture]
+    where: str, geometry: Any, textures: dict[int, Texture]
 ) -> tuple[Diffuse, str, np.ndarray | None, np.ndarray | None]:
     """What a trimesh geometry looks like; `textures` remembers images that several parts share.
 
@@ -33,7 +31,7 @@ def appearance(
     colors : (V, 3) float64 or None
         Linear; (3 F, 3), for the faces' corners in turn, where the file colours faces.
     """
-    visual, count = geometry.visual, len(geometry.vertices)
+    visual = geometry.visual
     if visual.kind in ("vertex", "face"):
         encoded = visual.vertex_colors if visual.kind == "vertex" else np.repeat(visual.face_colors, 3, axis=0)
         return Diffuse(WHITE), "", None, decode_srgb(np.asarray(encoded)[:, :3] / 255.0)
@@ -43,22 +41,12 @@ def appearance(
     texcoords: np.ndarray | None = None
     if visual.uv is not None:
         texcoords = np.asarray(visual.uv, float)[:, :2] * (1.0, -1.0) + (0.0, 1.0)
-    attribute = visual.vertex_attributes.get("color") if gltf else None
-    colors = None if attribute is None or len(attribute) != count else _fractions(np.asarray(attribute)[:, :3])
-    if gltf:
-        known = gltf.materials[int(visual.material.name)]
-        image, color, name = visual.material.baseColorTexture, known.color, known.name
-        if known.textured and image is None:
-            raise AnamorphError(f"{where}: the image of material '{name}' is missing or damaged; export it again")
-        if texcoords is not None:
-            texcoords = texcoords @ known.transform[:2, :2].T + known.transform[:2, 2]
-    else:
-        image, color, name = _simple(visual.material)
+    image, color, name = _simple(visual.material)
     if image is None or texcoords is None or not np.isfinite(texcoords).all():
-        return Diffuse(color), name, None, colors
+        return Diffuse(color), name, None, None
     if id(image) not in textures:
         textures[id(image)] = to_texture(image, f"{where}: material '{name}'")
-    return Diffuse(color, textures[id(image)]), name, texcoords, colors
+    return Diffuse(color, textures[id(image)]), name, texcoords, None
 
 
 def _simple(material: Any) -> tuple[Any, Color, str]:
@@ -73,8 +61,3 @@ def _simple(material: Any) -> tuple[Any, Color, str]:
         return image, WHITE if image else Diffuse().color, name
     red, green, blue = decode_srgb(np.clip(shade, 0.0, 1.0))
     return image, (float(red), float(green), float(blue)), name
-
-
-def _fractions(values: np.ndarray) -> np.ndarray:
-    """Numbers in 0 to 1 from floats, or from unsigned integers that stand for them."""
-    return values / np.iinfo(values.dtype).max if values.dtype.kind == "u" else np.clip(values, 0.0, 1.0)

@@ -1,4 +1,5 @@
-"""Model files as meshes: glTF, GLB, OBJ, STL and PLY through trimesh, STEP and IGES through `files/cad.py`.
+"""Model files as meshes: OBJ, STL and PLY through trimesh, glTF and GLB through `files/gltf`, STEP and IGES through
+`files/cad.py`.
 
 Lengths are taken as they are (glTF's are metres) unless a scale is given. Axes too: y should be up.
 """
@@ -20,8 +21,9 @@ import trimesh
 
 from anamorph.base.errors import AnamorphError, nearest
 from anamorph.files import cad
-from anamorph.files.gltf import Gltf, read_gltf
+from anamorph.files.gltf.gltf_shapes import gltf_shapes
 from anamorph.files.materials import appearance
+from anamorph.files.model_shape import ModelShape, cofactors
 from anamorph.files.normals import creased, repaired, with_winding
 from anamorph.files.reading import Folder, as_utf8, read
 from anamorph.files.source import FaceChoice
@@ -83,28 +85,20 @@ def load_parts(
     if choice is not None:
         raise AnamorphError(f"{path}: faces and density are for CAD files ({', '.join(cad.SUFFIXES)}); leave them out")
     data = read(path, "model file")
-    data = _in_utf8(data, suffix)
-    gltf = read_gltf(data, path) if suffix in (".glb", ".gltf") else None
-    scene = _parse(gltf.data if gltf else data, path)
-    textures: dict[int, Texture] = {}
-    placed = [(name, geometry, scale * matrix) for name, geometry, matrix in _placed(scene, path, gltf)]
-    away = _far_middle([(geometry, matrix) for _, geometry, matrix in placed]) if near else np.zeros(3)
-    parts = [
-        _part(path, name, geometry, trimesh.transformations.translation_matrix(-away) @ matrix, gltf, textures)
-        for name, geometry, matrix in placed
-    ]
+    shapes = gltf_shapes(data, path) if suffix in (".glb", ".gltf") else _shapes(_in_utf8(data, suffix), path)
+    placed = [replace(shape, matrix=scale * shape.matrix) for shape in shapes]
+    away = trimesh.transformations.translation_matrix(-_far_middle(placed) if near else np.zeros(3))
+    parts = [_part(path, replace(shape, matrix=away @ shape.matrix)) for shape in placed]
     kept = [part for part in parts if part is not None]
     if not kept:
         raise AnamorphError(f"{path}: has no triangles with an area; give a model with faces, not points or lines")
     return uniquely_named(kept)
 
 
-def _far_middle(placed: list[tuple[Any, np.ndarray]]) -> np.ndarray:
+def _far_middle(shapes: list[ModelShape]) -> np.ndarray:
     """The middle of all vertices, float64, where they are far from the origin; else the origin."""
     with np.errstate(all="ignore"):
-        points = [
-            np.asarray(geometry.vertices, float) @ matrix[:3, :3].T + matrix[:3, 3] for geometry, matrix in placed
-        ]
+        points = [shape.positions @ shape.matrix[:3, :3].T + shape.matrix[:3, 3] for shape in shapes]
         ends = np.concatenate([*points, np.zeros((0, 3))])
         low, high = ends.min(axis=0, initial=np.inf), ends.max(axis=0, initial=-np.inf)
         far = np.isfinite(low + high).all() and np.max(high - low) < FAR * np.max(np.abs([low, high]))
@@ -153,42 +147,45 @@ def _parse(data: bytes, path: Path) -> trimesh.Scene:
     return scene
 
 
-def _placed(scene: trimesh.Scene, path: Path, gltf: Gltf | None) -> list[tuple[str, Any, np.ndarray]]:
-    """Name, geometry and (4, 4) matrix of each instance that has faces, in an order that is always the same."""
+def _shapes(data: bytes, path: Path) -> list[ModelShape]:
+    """The shapes of a file that trimesh reads, in an order that is always the same."""
+    scene, textures = _parse(data, path), dict[int, Texture]()
     order = {name: number for number, name in enumerate(scene.geometry)}
-    placed = []
     with _quiet():
-        for node in scene.graph.nodes_geometry:
-            matrix, geometry = scene.graph[node]
-            if isinstance(scene.geometry[geometry], trimesh.Trimesh):
-                # trimesh gives each primitive of a mesh a child node of its own, under a random name.
-                number = node if node.isdigit() else scene.graph.transforms.parents.get(node, "")
-                named = gltf is not None and number.isdigit()
-                name = gltf.nodes[int(number)] if gltf and named else UNNAMED.sub(path.stem, geometry)
-                place = int(number) if named else -order[geometry]
-                placed.append((place, order[geometry], name, scene.geometry[geometry], matrix))
-    return [entry[2:] for entry in sorted(placed, key=lambda entry: entry[:2])]
+        placed = [scene.graph[node] for node in scene.graph.nodes_geometry]
+    return [
+        _shape(path, UNNAMED.sub(path.stem, name), scene.geometry[name], np.asarray(matrix, float), textures)
+        for matrix, name in sorted(placed, key=lambda entry: -order[entry[1]])
+        if isinstance(scene.geometry[name], trimesh.Trimesh) and len(scene.geometry[name].faces)
+    ]
 
 
-def _part(
-    path: Path, name: str, geometry: Any, matrix: np.ndarray, gltf: Gltf | None, textures: dict[int, Texture]
-) -> Part | None:
+def _shape(path: Path, name: str, geometry: Any, matrix: np.ndarray, textures: dict[int, Texture]) -> ModelShape:
     where = f"{path}: part '{name}'"
     positions, faces = np.asarray(geometry.vertices, float), np.asarray(geometry.faces, np.int64).reshape(-1, 3)
+    check_triangles(where, positions, faces)
+    # Whether the file itself brought normals shows only in trimesh's cache: asking for them computes them.
+    cache = geometry._cache
+    normals = np.asarray(cache["vertex_normals"], float) if "vertex_normals" in cache else None
+    material, material_name, texcoords, colors = appearance(where, geometry, textures)
+    if geometry.visual.kind == "face":
+        # One colour a face: each face gets vertices of its own, and `appearance` has given each of them its colour.
+        positions, normals = positions[faces].reshape(-1, 3), None if normals is None else normals[faces].reshape(-1, 3)
+        faces = np.arange(len(positions)).reshape(-1, 3)
+    return ModelShape(name, positions, faces, normals, matrix, material, material_name, texcoords, colors)
+
+
+def _part(path: Path, shape: ModelShape) -> Part | None:
+    """A shape in the world; None where none of its triangles has an area."""
+    where = f"{path}: part '{shape.name}'"
+    positions, faces, normals, matrix = shape.positions, shape.faces, shape.normals, shape.matrix
     if not len(faces):
         return None
     check_triangles(where, positions, faces)
     if not np.isfinite(matrix).all():
         raise AnamorphError(f"{where}: its transform has NaN or infinite numbers; export it again")
-    # Whether the file itself brought normals shows only in trimesh's cache: asking for them computes them.
-    cache = geometry._cache
-    normals = np.asarray(cache["vertex_normals"], float) if "vertex_normals" in cache else None
-    material, material_name, texcoords, colors = appearance(where, geometry, gltf, textures)
-    if geometry.visual.kind == "face":
-        # One colour a face: each face gets vertices of its own, and `appearance` has given each of them its colour.
-        positions, normals = positions[faces].reshape(-1, 3), None if normals is None else normals[faces].reshape(-1, 3)
-        faces = np.arange(len(positions)).reshape(-1, 3)
-
+    if shape.texcoords is not None and not np.isfinite(shape.texcoords).all():
+        raise AnamorphError(f"{where}: its texture coordinates have NaN or infinite numbers; export it again")
     with np.errstate(over="ignore"):
         # Unlike a product of matrices, this gives equal vertices the same place.
         positions = np.einsum("vi,ji->vj", positions, matrix[:3, :3]) + matrix[:3, 3]
@@ -197,7 +194,7 @@ def _part(
     if np.linalg.det(matrix[:3, :3]) < 0:
         faces = faces[:, ::-1]
     if normals is not None:
-        normals = normals @ _cofactors(matrix[:3, :3]).T
+        normals = normals @ cofactors(matrix[:3, :3]).T
     faces = faces[has_area(positions, faces)]
     if not len(faces):
         return None
@@ -210,23 +207,16 @@ def _part(
         normals = with_winding(repaired(normals[source], positions[source], faces), positions[source], faces)
     return Part(
         Mesh(
-            name=name,
+            name=shape.name,
             positions=positions[source],
             faces=faces.astype(np.int32),
             normals=normals.astype(np.float32),
-            material=material,
-            texcoords=None if texcoords is None else texcoords[source].astype(np.float32),
-            colors=None if colors is None else colors[source].astype(np.float32),
+            material=shape.material,
+            texcoords=None if shape.texcoords is None else shape.texcoords[source].astype(np.float32),
+            colors=None if shape.colors is None else shape.colors[source].astype(np.float32),
         ),
-        material_name,
+        shape.material_name,
     )
-
-
-def _cofactors(matrix: np.ndarray) -> np.ndarray:
-    """What normals are multiplied by where points are multiplied by `matrix` (3, 3), up to a positive factor."""
-    sign = 1.0 if np.linalg.det(matrix) >= 0 else -1.0
-    rows = [np.cross(matrix[(row + 1) % 3], matrix[(row + 2) % 3]) for row in range(3)]
-    return sign * np.stack(rows)
 
 
 def uniquely_named(parts: Iterable[Part]) -> tuple[Part, ...]:

@@ -52,7 +52,14 @@ def to_texture(image: Image.Image, name: str) -> Texture:
 
 def read_texture(path: Path) -> Texture:
     """An image file as a texture."""
-    return to_texture(_opened(read(path, "image file"), str(path)), str(path))
+    if path.suffix.lower() in (".hdr", ".exr"):
+        raise AnamorphError(f"{path}: holds linear light, which only the sky takes; save it as PNG or JPEG")
+    return decoded(read(path, "image file"), str(path))
+
+
+def decoded(data: bytes, name: str) -> Texture:
+    """The bytes of an image file as a texture; `name` is for messages."""
+    return to_texture(_opened(data, name), name)
 
 
 def _opened(data: bytes, name: str) -> Image.Image:

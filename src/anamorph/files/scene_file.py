@@ -10,7 +10,7 @@ from anamorph.base.errors import AnamorphError
 from anamorph.files.cad import SUFFIXES
 from anamorph.files.models import Part, uniquely_named
 from anamorph.files.part_tables import CHOICE, changed_parts, choice_of, model_parts
-from anamorph.files.reading import read_texture
+from anamorph.files.sky_image import read_sky_image
 from anamorph.files.source import Source
 from anamorph.files.tables import Table
 from anamorph.scene.camera import Camera
@@ -122,7 +122,7 @@ def _sky(top: Table, start: Scene | None) -> Sky:
         return default
     table.only("zenith", "horizon", "nadir", "image")
     colors = {name: table.color(name, getattr(default, name)) for name in ("zenith", "horizon", "nadir")}
-    return Sky(**colors, image=read_texture(table.file("image")) if "image" in table.values else None)
+    return Sky(**colors, image=read_sky_image(table.file("image")) if "image" in table.values else None)
 
 
 def eye_of(top: Table, start: Scene | None) -> Camera:

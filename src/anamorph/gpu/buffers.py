@@ -36,6 +36,9 @@ OBJECT = np.dtype(
     ]
 )
 
+WRAPS = {"repeat": 0, "clamp": 1, "mirror": 2}
+"""What lies beyond a texture's edges, as shading.wgsl has it."""
+
 VERTEX_LAYOUT = {
     "array_stride": VERTEX.itemsize,
     "attributes": [
@@ -161,7 +164,7 @@ def _distinct_textures(scene: Scene) -> tuple[Texture, ...]:
 
 
 def _objects(scene: Scene, textures: tuple[Texture, ...]) -> np.ndarray:
-    layers = {id(texture): layer for layer, texture in enumerate(textures, start=1)}
+    layers = {id(texture): _texture_layer(layer, texture) for layer, texture in enumerate(textures, start=1)}
     objects = np.zeros(len(scene.meshes), OBJECT)
     for row, mesh in zip(objects, scene.meshes, strict=True):
         match mesh.material:
@@ -172,6 +175,12 @@ def _objects(scene: Scene, textures: tuple[Texture, ...]) -> np.ndarray:
             case Mirror(back=back, tint=tint, reflectance=share):
                 row["color"], row["tint"], row["parameter"], row["kind"] = back, tint, share, 1
     return objects
+
+
+def _texture_layer(layer: int, texture: Texture) -> int:
+    """The layer of a texture and how it goes on beyond its edges, as the shader's `texture_layer`."""
+    across, down = (WRAPS[wrap] for wrap in texture.wraps)
+    return layer | across << 16 | down << 18
 
 
 def _lighting(scene: Scene) -> np.ndarray:

@@ -41,9 +41,19 @@ override TEXTURES: i32 = 1;
 const DIFFUSE = 0u;
 const MIRROR = 1u;
 
+// Of what a texture_layer holds.
+const LAYER_BITS = 0xffffu;
+const WRAP_ACROSS_SHIFT = 16u;
+const WRAP_DOWN_SHIFT = 18u;
+const WRAP_BITS = 3u;
+
+// What lies beyond a texture's edges: the texture again, the texels of the edge, or the texture turned over.
+const CLAMP = 1u;
+const MIRRORED = 2u;
+
 struct Object {
     color: vec3f,
-    // Layer of the texture array; layer 0 is white.
+    // Layer of the texture array, in LAYER_BITS; layer 0 is white. Above: what lies beyond its edges, across and down.
     texture_layer: u32,
     tint: vec3f,
     // A mirror's reflectance at normal incidence, a glass's refractive index.
@@ -79,9 +89,16 @@ struct Paint {
 @group(0) @binding(4) var sky_texture: texture_2d<f32>;
 @group(0) @binding(5) var sky_sampler: sampler;
 
+// The place in the first copy of a texture that shows what `place` does, along one axis. The sampler repeats: where a
+// texture does not, no place is nearer to its edge than half a texel, and so none is blended with the far edge.
+fn wrapped(place: f32, wrap: u32, half_texel: f32) -> f32 {
+    let folded = select(place, 1.0 - abs(1.0 - (place - 2.0 * floor(0.5 * place))), wrap == MIRRORED);
+    return select(clamp(folded, half_texel, 1.0 - half_texel), place, wrap == 0u);
+}
+
 // The texture's mean over the pixel's slanted footprint: taps along its longer axis, each as wide as its shorter one.
 // The sampler's own anisotropic filter is the same idea, but ten times slower on software Vulkan.
-fn filtered_texel(point: SurfacePoint, layer: u32) -> vec3f {
+fn filtered_texel(point: SurfacePoint, texture_layer: u32) -> vec3f {
     let size = f32(textureDimensions(diffuse_textures).x);
     let dx = point.texcoord_dx;
     let dy = point.texcoord_dy;
@@ -91,12 +108,19 @@ fn filtered_texel(point: SurfacePoint, layer: u32) -> vec3f {
     // No more taps than texels: a magnified texture needs one.
     let taps = clamp(ceil(min(major / max(minor, 1e-12), major * size)), 1.0, MAXIMUM_TAPS);
     let level = log2(max(major / taps, minor) * size);
+    let layer = texture_layer & LAYER_BITS;
+    let wrap_across = (texture_layer >> WRAP_ACROSS_SHIFT) & WRAP_BITS;
+    let wrap_down = (texture_layer >> WRAP_DOWN_SHIFT) & WRAP_BITS;
+    // Of the coarser one of the two levels that are blended.
+    let half_texel = min(0.5 * exp2(ceil(max(level, 0.0))) / size, 0.5);
     var sum = vec3f(0.0);
     var tap = 0.5;
     // The test comes last, here and at the lights: software runs what a loop holds once more when it begins with one.
     loop {
         let place = point.texcoord + longer * (tap / taps - 0.5);
-        sum += textureSampleLevel(diffuse_textures, diffuse_sampler, place, layer, level).rgb;
+        let across = wrapped(place.x, wrap_across, half_texel);
+        let down = wrapped(place.y, wrap_down, half_texel);
+        sum += textureSampleLevel(diffuse_textures, diffuse_sampler, vec2f(across, down), layer, level).rgb;
         tap += 1.0;
         // Of a footprint without end the taps may be no number.
         if !(tap < taps) {

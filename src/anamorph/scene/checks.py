@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from typing import get_args
 
 import numpy as np
 from trimesh.triangles import closest_point
@@ -17,12 +18,14 @@ from anamorph.scene.model import (
     DirectionalLight,
     Glass,
     Light,
+    LinearImage,
     Mesh,
     Mirror,
     PointLight,
     Scene,
     Sky,
     Texture,
+    Wrap,
 )
 from anamorph.scene.triangles import doubled_areas, has_area, turned_over
 
@@ -199,6 +202,8 @@ def _check_texture(where: str, texture: Texture | None) -> None:
         shape = np.shape(texture.pixels)
         if len(shape) != 3 or shape[2] != 4 or 0 in shape or texture.pixels.dtype != np.uint8:
             raise AnamorphError(f"{where}: its image is {shape} {texture.pixels.dtype}; give (H, W, 4) uint8")
+        if len(texture.wraps) != 2 or not set(texture.wraps) <= set(get_args(Wrap)):
+            raise AnamorphError(f"{where}: wraps of its image are {texture.wraps}; give two of {get_args(Wrap)}")
 
 
 def _check_material(mesh: Mesh, where: str) -> None:
@@ -239,7 +244,14 @@ def _check_light(light: Light, where: str) -> None:
 def _check_sky(sky: Sky, where: str) -> None:
     for name in ("zenith", "horizon", "nadir"):
         _check_color(where, name, getattr(sky, name))
-    _check_texture(where, sky.image)
+    if not isinstance(sky.image, LinearImage):
+        _check_texture(where, sky.image)
+        return
+    shape = np.shape(sky.image.pixels)
+    if len(shape) != 3 or shape[2] != 3 or 0 in shape or sky.image.pixels.dtype != np.float32:
+        raise AnamorphError(f"{where}: its image is {shape} {sky.image.pixels.dtype}; give (H, W, 3) float32")
+    if not np.isfinite(sky.image.pixels).all() or sky.image.pixels.min() < 0.0:
+        raise AnamorphError(f"{where}: its image holds NaN, infinite or negative light; mend the image")
 
 
 def _check_eye(scene: Scene) -> None:

@@ -7,6 +7,7 @@ linear colours but for textures, which are stored as 8-bit sRGB.
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
+from typing import Literal
 
 import numpy as np
 
@@ -15,12 +16,29 @@ from anamorph.surfaces.base import Surface
 from anamorph.surfaces.similarity import Similarity
 
 Color = tuple[float, float, float]
+Wrap = Literal["repeat", "clamp", "mirror"]
 WHITE: Color = (1.0, 1.0, 1.0)
 
 
 @dataclass(frozen=True, eq=False)
 class Texture:
-    """An image: `pixels` (H, W, 4) uint8, sRGB with linear alpha, row 0 on top, repeating."""
+    """An image on surfaces.
+
+    Parameters
+    ----------
+    pixels : (H, W, 4) uint8
+        sRGB with linear alpha, row 0 on top.
+    wraps : two of "repeat", "clamp" and "mirror"
+        What lies beyond its edges, across and down: the image again, the texels of the edge, or the image turned over.
+    """
+
+    pixels: np.ndarray
+    wraps: tuple[Wrap, Wrap] = ("repeat", "repeat")
+
+
+@dataclass(frozen=True, eq=False)
+class LinearImage:
+    """An image of light, as bright as it may be: `pixels` (H, W, 3) float32, linear Rec. 709, row 0 on top."""
 
     pixels: np.ndarray
 
@@ -199,7 +217,7 @@ class Sky:
     zenith: Color = (0.25, 0.45, 0.85)
     horizon: Color = (0.75, 0.85, 0.95)
     nadir: Color = (0.35, 0.35, 0.35)
-    image: Texture | None = None
+    image: Texture | LinearImage | None = None
 
 
 DEFAULT_LIGHTS: tuple[Light, ...] = (

@@ -343,20 +343,22 @@ from anamorph.base.output import whole_file
 leave_on_interrupt()
 with whole_file("a.json") as file:
     file.write(b"half")
-    ctypes.CFUNCTYPE(None)(lambda: signal.raise_signal(signal.SIGINT))()
+    ctypes.CFUNCTYPE(None)(lambda: signal.raise_signal(signal.{name}))()
 """
 
 
-def test_an_interrupt_in_a_callback_while_a_file_is_written_leaves_no_part_of_it(tmp_path):
-    program = [sys.executable, "-c", WHILE_WRITING]
+@pytest.mark.parametrize(("name", "code"), [("SIGINT", 130), ("SIGTERM", 143)])
+def test_a_signal_in_a_callback_while_a_file_is_written_leaves_no_part_of_it(name, code, tmp_path):
+    program = [sys.executable, "-c", WHILE_WRITING.format(name=name)]
     ended = subprocess.run(program, capture_output=True, text=True, cwd=tmp_path, env=environment(), timeout=PATIENCE)
-    assert (ended.returncode, ended.stderr.count("\n")) == (130, 1)
+    assert (ended.returncode, ended.stderr.count("\n")) == (code, 1)
     assert os.listdir(tmp_path) == []
 
 
 def test_a_command_that_is_to_ignore_interrupts_does():
     program = "import signal; from anamorph.base.interrupt import leave_on_interrupt as leave\n" + (
-        "signal.signal(signal.SIGINT, signal.SIG_IGN); leave(); signal.raise_signal(signal.SIGINT)"
+        "signal.signal(signal.SIGINT, signal.SIG_IGN); signal.signal(signal.SIGTERM, signal.SIG_IGN); leave();"
+        "signal.raise_signal(signal.SIGINT); signal.raise_signal(signal.SIGTERM)"
     )
     assert subprocess.run([sys.executable, "-c", program], env=environment(), timeout=PATIENCE).returncode == 0
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 import os
 import shutil
+import threading
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
@@ -81,7 +82,7 @@ def whole_folder(path: str | Path) -> Iterator[Path]:
 @contextmanager
 def _unfinished(path: Path, remove: Callable[[Path], object]) -> Iterator[Path]:
     """Where to write what shall be called `path` at the end of the block."""
-    part = path.with_name(f".{path.name}.{os.getpid()}.part")
+    part = path.with_name(f".{path.name}.{os.getpid()}.{threading.get_ident()}.part")
     try:
         with on_interrupt(lambda: remove(part)):
             yield part

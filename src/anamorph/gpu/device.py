@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import os
 import tempfile
+import threading
 from collections.abc import Callable, Hashable
-from functools import lru_cache
+from functools import lru_cache, wraps
 from typing import Any, ParamSpec, TypeVar
 
 from anamorph.base.errors import AnamorphError
@@ -26,6 +27,35 @@ _Made = TypeVar("_Made")
 _forgetful: list[Any] = []
 
 
+class _Process:
+    """What a forked process learns of the one that it comes from.
+
+    Attributes
+    ----------
+    making : RLock
+        Held by the one thread that makes something on the device: two that make the same would each get their own, and
+        mix what lives on two devices.
+    has_device : bool
+        Whether an adapter was asked for.
+    inherited : bool
+        Whether that was in a process from which this one was forked. The threads of the driver are not copied, so that
+        whoever waits for the device would wait forever.
+    """
+
+    making = threading.RLock()
+    has_device = False
+    inherited = False
+
+
+def _forked() -> None:
+    _Process.making = threading.RLock()
+    _Process.inherited = _Process.inherited or _Process.has_device
+
+
+if hasattr(os, "register_at_fork"):
+    os.register_at_fork(after_in_child=_forked)
+
+
 def of_device(make: Callable[_Given, _Made]) -> Callable[_Given, _Made]:
     """Make once what lives on the device, as `functools.cache` does, until the device is forgotten."""
     return of_device_last(None)(make)
@@ -37,7 +67,18 @@ def of_device_last(count: int | None) -> Callable[[Callable[_Given, _Made]], Cal
     def remembering(make: Callable[_Given, _Made]) -> Callable[_Given, _Made]:
         remembered = lru_cache(count)(make)
         _forgetful.append(remembered)
-        return remembered  # type: ignore[return-value]
+
+        @wraps(make)
+        def one_at_a_time(*given: _Given.args, **named: _Given.kwargs) -> _Made:
+            if _Process.inherited:
+                raise AnamorphError(
+                    "this process was forked from one that had drawn, and cannot use its device; start processes by "
+                    "multiprocessing.get_context('spawn')"
+                )
+            with _Process.making:
+                return remembered(*given, **named)  # type: ignore[arg-type]
+
+        return one_at_a_time
 
     return remembering
 
@@ -49,10 +90,11 @@ def _made() -> dict[Hashable, Any]:
 
 def once(key: Hashable, make: Callable[[], Any]) -> Any:
     """What `make` makes on the device, or has made before under the same key, which must say all about it."""
-    made = _made()
-    if key not in made:
-        made[key] = make()
-    return made[key]
+    with _Process.making:
+        made = _made()
+        if key not in made:
+            made[key] = make()
+        return made[key]
 
 
 @of_device
@@ -64,6 +106,7 @@ def get_adapter() -> wgpu.GPUAdapter:
     AnamorphError
         When there is none.
     """
+    _Process.has_device = True
     remedy = "no Vulkan, Metal or DirectX 12 adapter: install a GPU driver, or mesa-vulkan-drivers for software Vulkan"
     try:
         adapter = wgpu.gpu.request_adapter_sync(power_preference="high-performance")

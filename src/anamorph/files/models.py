@@ -1,20 +1,13 @@
-"""Model files as meshes: OBJ, STL and PLY through trimesh, glTF and GLB through `files/gltf`, STEP and IGES through
-`files/cad.py`.
+"""Model files as meshes: the shapes that each kind's reader finds, brought into the world.
 
 Lengths are taken as they are (glTF's are metres) unless a scale is given. Axes too: y should be up.
 """
 
 from __future__ import annotations
 
-import io
-import logging
-import re
-import warnings
-from collections.abc import Iterable, Iterator
-from contextlib import contextmanager
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import trimesh
@@ -22,23 +15,25 @@ import trimesh
 from anamorph.base.errors import AnamorphError, nearest
 from anamorph.files import cad
 from anamorph.files.gltf.gltf_shapes import gltf_shapes
-from anamorph.files.materials import appearance
 from anamorph.files.normals import creased, repaired, with_winding
-from anamorph.files.reading import Folder, as_utf8, read
+from anamorph.files.obj import obj_shapes
+from anamorph.files.ply import ply_shapes
+from anamorph.files.reading import read
 from anamorph.files.shapes import Shape, cofactors
 from anamorph.files.source import FaceChoice
+from anamorph.files.stl import stl_shapes
 from anamorph.scene.checks import check_triangles
-from anamorph.scene.model import Mesh, Texture
+from anamorph.scene.model import Mesh
 from anamorph.scene.triangles import has_area
 from anamorph.surfaces.similarity import Similarity
-
-UNNAMED = re.compile(r"^geometry(_\d+)?$")
-"""What trimesh calls a mesh that has no name."""
 
 FAR = 1e-3
 """A model smaller than this share of its coordinates is far from the origin."""
 
-SUFFIXES = (".glb", ".gltf", ".obj", ".stl", ".ply", *cad.SUFFIXES)
+READERS = {".glb": gltf_shapes, ".gltf": gltf_shapes, ".obj": obj_shapes, ".stl": stl_shapes, ".ply": ply_shapes}
+"""What reads the bytes of a file, by how its name ends."""
+
+SUFFIXES = (*READERS, *cad.SUFFIXES)
 
 
 @dataclass(frozen=True, eq=False)
@@ -84,8 +79,7 @@ def load_parts(
         return uniquely_named(Part(mesh.moved(by)) for mesh in cad.load_cad(path, choice))
     if choice is not None:
         raise AnamorphError(f"{path}: faces and density are for CAD files ({', '.join(cad.SUFFIXES)}); leave them out")
-    data = read(path, "model file")
-    shapes = gltf_shapes(data, path) if suffix in (".glb", ".gltf") else _shapes(_in_utf8(data, suffix), path)
+    shapes = READERS[suffix](read(path, "model file"), path)
     placed = [replace(shape, matrix=scale * shape.matrix) for shape in shapes]
     away = trimesh.transformations.translation_matrix(-_far_middle(placed) if near else np.zeros(3))
     parts = [_part(path, replace(shape, matrix=away @ shape.matrix)) for shape in placed]
@@ -103,76 +97,6 @@ def _far_middle(shapes: list[Shape]) -> np.ndarray:
         low, high = ends.min(axis=0, initial=np.inf), ends.max(axis=0, initial=-np.inf)
         far = np.isfinite(low + high).all() and np.max(high - low) < FAR * np.max(np.abs([low, high]))
     return (low + high) / 2.0 if far else np.zeros(3)
-
-
-def _in_utf8(data: bytes, suffix: str) -> bytes:
-    """A model whose text, of whatever encoding, is in UTF-8, the only one that trimesh reads."""
-    if suffix == ".ply":
-        header, end, body = data.partition(b"end_header")
-        return as_utf8(header) + end + body
-    # The length of a binary STL file follows from its count, and a text one may start with the same word "solid".
-    text = suffix == ".obj" or (suffix == ".stl" and len(data) != 84 + 50 * int.from_bytes(data[80:84], "little"))
-    return as_utf8(data) if text else data
-
-
-@contextmanager
-def _quiet() -> Iterator[None]:
-    """Keep what trimesh logs, and numpy warns of on its behalf, off the terminal: the checks after it say more."""
-    logger = logging.getLogger("trimesh")
-    before = logger.level
-    logger.setLevel(logging.CRITICAL + 1)
-    try:
-        with warnings.catch_warnings(), np.errstate(all="ignore"):
-            warnings.simplefilter("ignore")
-            yield
-    finally:
-        logger.setLevel(before)
-
-
-def _parse(data: bytes, path: Path) -> trimesh.Scene:
-    folder = Folder(path)
-    kind = path.suffix.lower()[1:]
-    options: dict[str, Any] = {"split_objects": True} if kind == "obj" else {}
-    damage = None
-    scene = trimesh.Scene()
-    try:
-        with _quiet():
-            scene = trimesh.load_scene(io.BytesIO(data), file_type=kind, resolver=folder, process=False, **options)
-    # Damage of every kind surfaces in the parser as an error of some kind.
-    except Exception as error:
-        said = (str(error).splitlines() or [""])[0][:120] or type(error).__name__
-        damage = AnamorphError(f"{path}: is damaged or no {kind.upper()} file ({said}); export it again")
-    if complaint := folder.complaint or damage:
-        raise complaint
-    return scene
-
-
-def _shapes(data: bytes, path: Path) -> list[Shape]:
-    """The shapes of a file that trimesh reads, in an order that is always the same."""
-    scene, textures = _parse(data, path), dict[int, Texture]()
-    order = {name: number for number, name in enumerate(scene.geometry)}
-    with _quiet():
-        placed = [scene.graph[node] for node in scene.graph.nodes_geometry]
-    return [
-        _shape(path, UNNAMED.sub(path.stem, name), scene.geometry[name], np.asarray(matrix, float), textures)
-        for matrix, name in sorted(placed, key=lambda entry: -order[entry[1]])
-        if isinstance(scene.geometry[name], trimesh.Trimesh) and len(scene.geometry[name].faces)
-    ]
-
-
-def _shape(path: Path, name: str, geometry: Any, matrix: np.ndarray, textures: dict[int, Texture]) -> Shape:
-    where = f"{path}: part '{name}'"
-    positions, faces = np.asarray(geometry.vertices, float), np.asarray(geometry.faces, np.int64).reshape(-1, 3)
-    check_triangles(where, positions, faces)
-    # Whether the file itself brought normals shows only in trimesh's cache: asking for them computes them.
-    cache = geometry._cache
-    normals = np.asarray(cache["vertex_normals"], float) if "vertex_normals" in cache else None
-    material, material_name, texcoords, colors = appearance(where, geometry, textures)
-    if geometry.visual.kind == "face":
-        # One colour a face: each face gets vertices of its own, and `appearance` has given each of them its colour.
-        positions, normals = positions[faces].reshape(-1, 3), None if normals is None else normals[faces].reshape(-1, 3)
-        faces = np.arange(len(positions)).reshape(-1, 3)
-    return Shape(name, positions, faces, normals, matrix, material, material_name, texcoords, colors)
 
 
 def _part(path: Path, shape: Shape) -> Part | None:

@@ -1,6 +1,6 @@
 """Model files as meshes: the shapes that each kind's reader finds, brought into the world.
 
-Lengths are taken as they are (glTF's are metres) unless a scale is given. Axes too: y should be up.
+Lengths are metres and y is up, as in glTF, unless units, axes or a scale are given.
 """
 
 from __future__ import annotations
@@ -10,7 +10,6 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
-import trimesh
 
 from anamorph.base.errors import AnamorphError, nearest
 from anamorph.files import cad
@@ -22,6 +21,7 @@ from anamorph.files.reading import read
 from anamorph.files.shapes import Shape, cofactors
 from anamorph.files.source import FaceChoice
 from anamorph.files.stl import stl_shapes
+from anamorph.files.units_and_axes import metres_in, turn_of
 from anamorph.scene.checks import check_triangles
 from anamorph.scene.model import Mesh
 from anamorph.scene.triangles import has_area
@@ -44,7 +44,9 @@ class Part:
     material: str = ""
 
 
-def load_model(path: str | Path, scale: float = 1.0, choice: FaceChoice | None = None) -> tuple[Mesh, ...]:
+def load_model(
+    path: str | Path, scale: float = 1.0, choice: FaceChoice | None = None, units: str = "", axes: str = ""
+) -> tuple[Mesh, ...]:
     """The meshes of a model file, in world coordinates.
 
     Parameters
@@ -55,12 +57,21 @@ def load_model(path: str | Path, scale: float = 1.0, choice: FaceChoice | None =
         Metres in one unit of the file: 0.001 for millimetres. CAD files name their unit, and need none.
     choice : FaceChoice, optional
         Which faces of a CAD file, and how fine.
+    units : str
+        The file's unit, as "mm" or "in", times `scale`. CAD files name theirs.
+    axes : str
+        Which way the file's axes point, as "z up" or "x back, z up"; where "", y is up and z points back.
     """
-    return tuple(part.mesh for part in load_parts(path, scale, choice))
+    return tuple(part.mesh for part in load_parts(path, scale, choice, units, axes))
 
 
 def load_parts(
-    path: str | Path, scale: float = 1.0, choice: FaceChoice | None = None, near: bool = False
+    path: str | Path,
+    scale: float = 1.0,
+    choice: FaceChoice | None = None,
+    units: str = "",
+    axes: str = "",
+    near: bool = False,
 ) -> tuple[Part, ...]:
     """Like `load_model`, with the materials' names.
 
@@ -74,19 +85,31 @@ def load_parts(
         raise AnamorphError(f"{path}: is no known model; give one that ends in {', '.join(SUFFIXES)}{hint}")
     if not (np.isfinite(scale) and scale > 0):
         raise AnamorphError(f"{path}: scale is {scale}; give a positive number of metres for one unit")
+    if units and suffix in cad.SUFFIXES:
+        raise AnamorphError(f"{path}: names its unit itself; leave units out, or give a scale")
+    try:
+        by = Similarity(scale * metres_in(units), turn_of(axes), np.zeros(3))
+    except AnamorphError as error:
+        raise AnamorphError(f"{path}: {error}") from None
     if suffix in cad.SUFFIXES:
-        by = Similarity(scale, np.eye(3), np.zeros(3))
         return uniquely_named(Part(mesh.moved(by)) for mesh in cad.load_cad(path, choice))
     if choice is not None:
         raise AnamorphError(f"{path}: faces and density are for CAD files ({', '.join(cad.SUFFIXES)}); leave them out")
     shapes = READERS[suffix](read(path, "model file"), path)
-    placed = [replace(shape, matrix=scale * shape.matrix) for shape in shapes]
-    away = trimesh.transformations.translation_matrix(-_far_middle(placed) if near else np.zeros(3))
-    parts = [_part(path, replace(shape, matrix=away @ shape.matrix)) for shape in placed]
+    placed = [replace(shape, matrix=_after(shape.matrix, by)) for shape in shapes]
+    away = Similarity.shift(-_far_middle(placed) if near else np.zeros(3))
+    parts = [_part(path, replace(shape, matrix=_after(shape.matrix, away))) for shape in placed]
     kept = [part for part in parts if part is not None]
     if not kept:
         raise AnamorphError(f"{path}: has no triangles with an area; give a model with faces, not points or lines")
     return uniquely_named(kept)
+
+
+def _after(matrix: np.ndarray, by: Similarity) -> np.ndarray:
+    """A transform (4, 4) with a motion after it."""
+    return np.vstack(
+        [np.column_stack([by.vectors(matrix[:3, :3].T).T, by.points(matrix[:3, 3])]), [0.0, 0.0, 0.0, 1.0]]
+    )
 
 
 def _far_middle(shapes: list[Shape]) -> np.ndarray:

@@ -22,7 +22,11 @@ from anamorph.scene.model import Scene
 
 
 def open_scene(
-    source: str | Path, choice: FaceChoice | None = None, mirror_of: str | Path | None = None
+    source: str | Path,
+    choice: FaceChoice | None = None,
+    mirror_of: str | Path | None = None,
+    units: str = "",
+    axes: str = "",
 ) -> tuple[Scene, Settings]:
     """The scene, checked, and how it wants to be drawn.
 
@@ -34,8 +38,15 @@ def open_scene(
         Which faces of a CAD file, and how fine.
     mirror_of : str or Path, optional
         A scene whose mirror the CAD file `source` replaces.
+    units, axes : str
+        Of a model file, as for `load_model`.
     """
-    return _opened(Source(source, choice, mirror_of), ())
+    return open_source(Source(source, choice, mirror_of, units, axes))
+
+
+def open_source(source: Source) -> tuple[Scene, Settings]:
+    """The same of what names a scene."""
+    return _opened(source, ())
 
 
 def scene_in(top: Table, above: tuple[Path, ...] = ()) -> tuple[Scene, Settings]:
@@ -61,6 +72,8 @@ def _opened(source: Source, above: tuple[Path, ...]) -> tuple[Scene, Settings]:
             f"{name}: --scene, --faces, --density and --flip are for CAD files ({', '.join(cad.SUFFIXES)}); "
             "leave them out"
         )
+    if (source.units or source.axes) and (source.mirror_of or suffix not in SUFFIXES):
+        raise AnamorphError(f"{name}: --units and --axes are for a model ({', '.join(SUFFIXES)}); leave them out")
     if source.mirror_of:
         scene, settings = _opened(Source(source.mirror_of), above)
         choice = choice or FaceChoice()
@@ -70,7 +83,7 @@ def _opened(source: Source, above: tuple[Path, ...]) -> tuple[Scene, Settings]:
     if suffix == ".toml":
         return scene_in(read_tables(path), above)
     if suffix in SUFFIXES:
-        meshes = tuple(part.mesh for part in load_parts(path, choice=choice, near=True))
+        meshes = tuple(part.mesh for part in load_parts(path, 1.0, choice, source.units, source.axes, near=True))
         return check_scene(stand_before_mirror(meshes, path.stem)), Settings()
     if path.is_file():
         raise AnamorphError(

@@ -37,8 +37,14 @@ class Source:
         Which faces of a CAD file, and how fine.
     mirror_of : str or Path, optional
         A scene whose mirror the CAD file `name` replaces.
+    units : str
+        The unit of a model file, as "mm"; "" for metres, or for what a CAD file says itself.
+    axes : str
+        Which way the axes of a model file point, as "x back, z up"; "" for y up and z to the back.
     """
 
     name: str | Path
     choice: FaceChoice | None = None
     mirror_of: str | Path | None = None
+    units: str = ""
+    axes: str = ""

@@ -6,8 +6,10 @@
 | `opening` | whatever names a scene, as a scene |
 | `model_scene`, `own_mirror` | a scene around a model; a CAD mirror in place of a scene's own |
 | `scene_file`, `part_tables` | the tables of a scene file, as a scene |
-| `models` | glTF, OBJ, STL, PLY, STEP and IGES as meshes |
-| `materials`, `gltf`, `normals` | what a model's parts look like, what its glTF header says, normals it lacks |
+| `models` | models of every kind as meshes in the world |
+| `obj`, `mtl`, `ply`, `ply_elements`, `stl` | OBJ, PLY and STL files as shapes |
+| `polygons`, `units_and_axes` | polygons as triangles; the unit and axes of a file |
+| `materials`, `normals` | colours without a rule of their own, and normals that a model lacks |
 | `cad`, `trimming`, `opencascade` | faces of CAD files, their triangles, and the process that reads them |
 | `source_words`, `source` | the words that name a scene, and what they mean |
 | `tables`, `key_lines`, `toml` | TOML in, with the lines of mistakes, and out |

@@ -5,14 +5,15 @@ A scene file may start from anything that can be opened: that is opened first, t
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 from anamorph import gallery
 from anamorph.base.errors import AnamorphError, nearest
 from anamorph.files import cad
 from anamorph.files.cad import chosen_faces
-from anamorph.files.model_scene import stand_before_mirror
-from anamorph.files.models import SUFFIXES, load_parts
+from anamorph.files.model_scene import seen_as_itself, stand_before_mirror
+from anamorph.files.models import SUFFIXES, Part, load_parts, uniquely_named
 from anamorph.files.own_mirror import replace_mirror
 from anamorph.files.scene_file import Settings, scene_from, start_of
 from anamorph.files.source import FaceChoice, Source
@@ -33,7 +34,8 @@ def open_scene(
     Parameters
     ----------
     source : str or Path
-        The name of a built-in scene, a .toml scene file, or a model file, which is stood before a convex mirror.
+        The name of a built-in scene, a .toml scene file, or a model file. A model without mirrors and glass
+        is stood before a convex mirror.
     choice : FaceChoice, optional
         Which faces of a CAD file, and how fine.
     mirror_of : str or Path, optional
@@ -84,7 +86,10 @@ def _opened(source: Source, above: tuple[Path, ...]) -> tuple[Scene, Settings]:
         return scene_in(read_tables(path), above)
     if suffix in SUFFIXES:
         meshes = tuple(part.mesh for part in load_parts(path, 1.0, choice, source.units, source.axes, near=True))
-        return check_scene(stand_before_mirror(meshes, path.stem)), Settings()
+        own = any(mesh.specular for mesh in meshes)
+        scene = seen_as_itself(meshes, path.stem) if own else stand_before_mirror(meshes, path.stem)
+        named = uniquely_named(map(Part, scene.meshes))
+        return check_scene(replace(scene, meshes=tuple(part.mesh for part in named))), Settings()
     if path.is_file():
         raise AnamorphError(
             f"{name}: is no scene file and no known model; give one that ends in .toml, {', '.join(SUFFIXES)}"

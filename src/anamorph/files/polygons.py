@@ -19,8 +19,8 @@ def triangulated(corners: np.ndarray, counts: np.ndarray, where: str) -> tuple[n
     """Part polygons into triangles that cover them once.
 
     Where the triangles from the first corner to all edges do so, they are taken. Else ears are cut off the polygon
-    as seen along its normal (the mean over its area), with mapbox_earcut; a corner that this leaves out, since it lies
-    on a line there, gets a triangle with its neighbours, so that what is bent keeps every corner.
+    as seen along its normal (the mean over its area), with mapbox_earcut. A corner that this passes over, since it lies
+    on an edge there, gets a triangle with that edge, so that what is bent keeps its outline.
 
     Parameters
     ----------
@@ -88,7 +88,7 @@ def _cut(corners: np.ndarray, normal: np.ndarray) -> tuple[np.ndarray, bool]:
         return fan, True
     area = np.abs(_area(flat[None])).sum()
     crosses = abs(np.abs(_area(flat[cut])).sum() - area) > CROSSING * area
-    return np.concatenate([cut, _left_out(cut, count)]), bool(crosses)
+    return np.concatenate([cut, _passed_over(cut, flat, CROSSING * area)]), bool(crosses)
 
 
 def _area(polygons: np.ndarray) -> np.ndarray:
@@ -97,12 +97,19 @@ def _area(polygons: np.ndarray) -> np.ndarray:
     return (polygons[..., 0] * following[..., 1] - polygons[..., 1] * following[..., 0]).sum(axis=1)
 
 
-def _left_out(cut: np.ndarray, count: int) -> np.ndarray:
-    """Triangles between an edge of those that were cut and the corners that it passes over."""
-    kept = np.unique(cut)
-    missing = np.setdiff1d(np.arange(count), kept)
-    place = np.searchsorted(kept, missing)
-    before, after = kept[place - 1], kept[place % len(kept)]
-    # Of several corners in a row each has the one after it, up to where the edge ends.
-    following = np.where(np.isin((missing + 1) % count, missing), (missing + 1) % count, after)
-    return np.stack([before, missing, following], axis=1)
+def _passed_over(cut: np.ndarray, flat: np.ndarray, most: float) -> np.ndarray:
+    """Triangles between edges of those that were cut and the corners on them; none of more than the area `most`.
+
+    A spike that leads out and back again lies on no edge, and is left out.
+    """
+    count, kept = len(flat), np.unique(cut)
+    following = np.append(kept[1:], kept[0] + count)
+    found = [np.zeros((0, 3), np.int64)]
+    for edge in np.flatnonzero(following - kept > 1):
+        run = np.arange(kept[edge], following[edge] + 1) % count
+        for ends in (run, np.roll(run, 1)):
+            fan = np.stack(np.broadcast_arrays(ends[0], ends[1:-1], ends[2:]), axis=1)
+            if np.abs(_area(flat[fan])).max() <= most:
+                found.append(fan)
+                break
+    return np.concatenate(found)

@@ -32,7 +32,8 @@ class Source:
     Parameters
     ----------
     name : str or Path
-        The name of a built-in scene, a .toml scene file, or a model file, which is stood before a convex mirror.
+        The name of a built-in scene, a .toml scene file, or a model file. A model without mirrors and glass
+        is stood before a convex mirror.
     choice : FaceChoice, optional
         Which faces of a CAD file, and how fine.
     mirror_of : str or Path, optional

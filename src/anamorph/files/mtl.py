@@ -59,7 +59,7 @@ class MtlMaterial:
     image: MtlImage | None = None
 
 
-class Materials:
+class MtlMaterials:
     """The materials of an OBJ file, by their names; images that several use are read once."""
 
     def __init__(self, model: Path) -> None:

@@ -16,7 +16,7 @@ import numpy as np
 from anamorph.base.errors import AnamorphError
 from anamorph.base.notes import note
 from anamorph.files.materials import linear_colors
-from anamorph.files.mtl import Materials
+from anamorph.files.mtl import MtlMaterials
 from anamorph.files.polygons import triangulated
 from anamorph.files.reading import as_utf8
 from anamorph.files.shapes import Shape
@@ -55,7 +55,7 @@ class ObjLines:
     """
 
     path: Path
-    materials: Materials
+    materials: MtlMaterials
     numbers: dict[str, array[float]] = field(default_factory=lambda: {kind: array("d") for kind in WIDTHS})
     colors: array[float] = field(default_factory=lambda: array("d"))
     corners: dict[str, int] = field(default_factory=dict)
@@ -68,7 +68,7 @@ class ObjLines:
 
 def obj_shapes(data: bytes, path: Path) -> list[Shape]:
     """The shapes of an OBJ file: one for each material of each group, or of each object that has no groups."""
-    lines = ObjLines(path, Materials(path))
+    lines = ObjLines(path, MtlMaterials(path))
     _read(as_utf8(data).decode(), lines)
     tables = [np.array(lines.numbers[kind]).reshape(-1, width) for kind, width in WIDTHS.items()]
     colors = np.full((len(tables[0]), 3), np.nan)

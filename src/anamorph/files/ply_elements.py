@@ -25,7 +25,7 @@ FORMATS = {"ascii": "", "binary_little_endian": "<", "binary_big_endian": ">"}
 
 
 @dataclass(frozen=True, eq=False)
-class Lists:
+class PlyLists:
     """A list for each entry of an element: all `values` in one array, and how many each entry has."""
 
     values: np.ndarray
@@ -49,7 +49,7 @@ class Element:
     count: int
     properties: list[Property] = field(default_factory=list)
     numbers: dict[str, np.ndarray] = field(default_factory=dict)
-    lists: dict[str, Lists] = field(default_factory=dict)
+    lists: dict[str, PlyLists] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, eq=False)
@@ -167,7 +167,7 @@ def _keep(element: Element, one: Property, values: np.ndarray, counts: np.ndarra
     if one.counted is None:
         element.numbers[one.name] = values
     else:
-        element.lists[one.name] = Lists(values, counts)
+        element.lists[one.name] = PlyLists(values, counts)
 
 
 def _length(length: int, element: Element) -> int:

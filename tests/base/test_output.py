@@ -10,14 +10,17 @@ import pytest
 from PIL import Image
 
 from anamorph.base.errors import AnamorphError
+from anamorph.base.exr import decode_exr
 from anamorph.base.output import (
     IMAGES,
+    PIXELS,
     check_output,
     save_array,
     save_image,
     save_text,
     whole_file,
 )
+from anamorph.base.radiance import decode_radiance
 from anamorph.base.srgb import encode_srgb
 
 IMAGE = np.linspace(0.0, 1.0, 4 * 5 * 3, dtype=np.float32).reshape(4, 5, 3)
@@ -30,7 +33,7 @@ def test_srgb_follows_its_standard():
     assert encode_srgb(np.array([-1.0, 7.0])) == pytest.approx([0.0, 1.0])
 
 
-@pytest.mark.parametrize("suffix", [suffix for suffix in IMAGES if suffix != ".npy"])
+@pytest.mark.parametrize("suffix", PIXELS)
 def test_an_image_comes_back_as_srgb(tmp_path, suffix):
     path = tmp_path / f"a{suffix.upper()}"
     grey = np.full((16, 16, 3), 0.18, np.float32)
@@ -51,6 +54,21 @@ def test_npy_keeps_linear_floats(tmp_path):
     bright = 10.0 * IMAGE
     save_image(tmp_path / "a.npy", bright)
     assert np.array_equal(np.load(tmp_path / "a.npy"), bright)
+
+
+def test_exr_keeps_linear_floats_and_layers_and_hdr_what_it_has_place_for(tmp_path):
+    bright = 10.0 * IMAGE
+    save_image(tmp_path / "a.exr", bright, {"status": np.ones((4, 5), np.uint8)})
+    assert np.array_equal(decode_exr((tmp_path / "a.exr").read_bytes(), 100), bright)
+    save_image(tmp_path / "a.hdr", bright)
+    assert decode_radiance((tmp_path / "a.hdr").read_bytes(), 100) == pytest.approx(bright, abs=10.0 / 256)
+
+
+@pytest.mark.parametrize("suffix", [suffix for suffix in IMAGES if suffix != ".exr"])
+def test_layers_are_refused_where_there_is_no_place_for_them(tmp_path, suffix):
+    with pytest.raises(AnamorphError, match=r"has no place for status; end the name in \.exr"):
+        save_image(tmp_path / f"a{suffix}", IMAGE, {"status": np.ones((4, 5), np.uint8)})
+    assert not list(tmp_path.iterdir())
 
 
 def test_a_failed_write_leaves_the_old_file_and_nothing_else(tmp_path):
@@ -84,7 +102,7 @@ def test_a_link_stays_a_link(tmp_path):
     assert (tmp_path / "real.txt").read_text() == "text"
 
 
-@pytest.mark.parametrize("name", ["a.gif", "a", "a.exr", ".png"])
+@pytest.mark.parametrize("name", ["a.gif", "a", "a.tif", ".png"])
 def test_an_unknown_suffix_is_refused_with_the_known_ones(tmp_path, name):
     with pytest.raises(AnamorphError, match=r"end the name in \.png"):
         check_output(tmp_path / name, IMAGES)
@@ -108,7 +126,8 @@ def test_arrays_are_saved_as_npy_only(tmp_path):
         save_array(tmp_path / "a.txt", np.arange(3))
 
 
-def test_an_image_that_is_not_finite_is_refused_and_not_written(tmp_path):
+@pytest.mark.parametrize("suffix", [suffix for suffix in IMAGES if suffix != ".npy"])
+def test_an_image_that_is_not_finite_is_refused_and_not_written(tmp_path, suffix):
     with pytest.raises(AnamorphError, match="not finite"):
-        save_image(tmp_path / "a.png", np.full((2, 2, 3), np.nan))
+        save_image(tmp_path / f"a{suffix}", np.full((2, 2, 3), np.nan))
     assert not os.listdir(tmp_path)

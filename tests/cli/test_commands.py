@@ -12,6 +12,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 import numpy as np
+import OpenEXR
 import pytest
 import trimesh
 import wgpu
@@ -81,6 +82,36 @@ def test_render_writes_an_image_and_what_each_pixel_sees(tmp_path):
     assert np.isfinite(position).all()
     assert object_id.shape == specular.shape == (120, 160)
     assert (specular != 0).any()
+
+
+def test_what_each_pixel_sees_may_be_layers_of_an_exr_image(tmp_path):
+    files = ("status=status.npy", "position", "object_id")
+    options = ("-m", "raytrace", "-o", "a.exr", "--size", "64x48", "--seen", *files)
+    quiet_success(run("render", "flat-mirror", *options, directory=tmp_path))
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["a.exr", "status.npy"]
+    channels = OpenEXR.File(str(tmp_path / "a.exr"), separate_channels=True).channels()
+    assert channels.keys() == {"R", "G", "B", "position.X", "position.Y", "position.Z", "object_id"}
+    assert all(channel.pixels.shape == (48, 64) for channel in channels.values())
+    seen = channels["object_id"].pixels
+    assert seen.dtype == np.uint32 and 0 < seen.max() < 10
+    sky = np.stack([channels[f"position.{axis}"].pixels[seen == 0] for axis in "XYZ"])
+    assert np.linalg.norm(sky, axis=0) == pytest.approx(1.0, abs=1e-5)
+
+
+def test_a_scene_is_exported_and_the_file_drawn(tmp_path):
+    told = quiet_success(run("export", "flat-mirror", "-o", "a.glb", directory=tmp_path))
+    assert told.endswith("parts, as triangles; sky and ambient light have no place in glTF\n")
+    quiet_success(run("render", "a.glb", "-o", "a.png", "--size", "32x24", directory=tmp_path))
+
+
+def test_what_is_left_out_of_a_model_is_told_in_one_line(tmp_path):
+    box = trimesh.creation.box()
+    material = trimesh.visual.material.PBRMaterial(name="chrome", metallicFactor=1.0, roughnessFactor=0.1)
+    box.visual = trimesh.visual.TextureVisuals(material=material, uv=np.zeros((len(box.vertices), 2)))
+    trimesh.Scene({"box": box}).export(tmp_path / "box.glb")
+    result = run("export", "box.glb", "-o", "a.glb", directory=tmp_path)
+    assert result.returncode == 0
+    assert result.stderr == "anamorph: note: box.glb: left out: the roughness of mirrors (material 'chrome')\n"
 
 
 def test_render_shows_a_model_with_no_scene_file_and_keeps_linear_floats(tmp_path):
@@ -205,7 +236,8 @@ USAGE = {
     "no directory": (("render", "nowhere", "-o", "no/a.png"), "no/a.png: there is no directory"),
     "directory in the way": (("render", "nowhere", "-o", "taken.png"), "not a plain file"),
     "unknown buffer": (("render", "nowhere", "-o", "a.png", "--seen", "depth=a.npy"), "'depth=a.npy' is no seen"),
-    "buffer without file": (("render", "nowhere", "-o", "a.png", "--seen", "position"), "write NAME=FILE.npy"),
+    "buffer without file": (("render", "nowhere", "-o", "a.png", "--seen", "position"), "as position=FILE.npy"),
+    "buffer nowhere": (("render", "nowhere", "-o", "a.exr", "--seen", "position="), "write NAME=FILE.npy, or NAME"),
     "buffer as image": (("render", "nowhere", "-o", "a.png", "--seen", "position=a.jpg"), "end the name in .npy"),
     "a turntable of no kind": (("turntable", "nowhere", "-o", "a.mp4"), "end the name in .webm, .webp, or in nothing"),
     "a turntable too large": (("turntable", "nowhere", "-o", "a.webm", "--size", "16384x2"), "at most 16383 pixels"),
@@ -219,6 +251,9 @@ USAGE = {
     "a point of two": (("reflections", "nowhere", "--point", "1", "2"), "expected 3"),
     "a point nowhere": (("reflections", "nowhere", "--point", "1", "nan", "2"), "'nan' is no coordinate"),
     "marks in floats": (("reflections", "nowhere", "--point", "1", "1", "1", "-o", "a.npy"), "end the name in .png"),
+    "marks in light": (("reflections", "nowhere", "--point", "1", "1", "1", "-o", "a.exr"), "end the name in .png"),
+    "no export": (("export", "nowhere"), "-o/--output"),
+    "export of another kind": (("export", "nowhere", "-o", "a.gltf"), "end the name in .glb"),
     "page nowhere": (("compare", "nowhere", "--html", "no/a.html"), "no/a.html: there is no directory"),
 }
 

@@ -215,6 +215,14 @@ def test_joints_blend_by_their_weights_and_carry_normals(tmp_path: Path) -> None
     assert np.allclose(np.abs(mesh.normals[lower]), [0, 1, 0], atol=1e-6)
 
 
+def test_normals_of_what_a_joint_stretches_stay_perpendicular(tmp_path: Path) -> None:
+    content = skinned(FIRST, WHOLE, np.eye(4, dtype="<f4")[None], [{"mesh": 0, "skin": 0}, {"scale": [1, 2, 1]}])
+    sloped = np.tile(np.array([0, 0.6, 0.8], "<f4"), (4, 1))
+    content["buffers"].append(packed(sloped)["buffers"][0])
+    content["bufferViews"][2] = {"buffer": 1, "byteLength": sloped.nbytes}
+    assert np.allclose(one(tmp_path, content).normals, np.array([0, 0.3, 0.8]) / np.hypot(0.3, 0.8), atol=1e-6)
+
+
 def test_a_vertex_without_weights_follows_its_first_joint(tmp_path: Path) -> None:
     content = skinned(
         FIRST, 0 * WHOLE, np.eye(4, dtype="<f4")[None], [{"mesh": 0, "skin": 0}, {"translation": [0, 0, 3]}]
@@ -299,6 +307,15 @@ def shine(
         (shine(1.0, 0.3), Mirror((1.0, 0.75, 0.5), 0.8), "the roughness of mirrors"),
         (shine(1.0, 0.5), Diffuse((0.8, 0.6, 0.4)), "metals that are rough"),
         (shine(0.0, 0.0), Diffuse((0.8, 0.6, 0.4)), None),
+        # The older kind of material counts where both stand.
+        (
+            {
+                **shine(1.0, 0.0),
+                "extensions": {"KHR_materials_pbrSpecularGlossiness": {"diffuseFactor": [0.25, 0.5, 1.0]}},
+            },
+            Diffuse((0.25, 0.5, 1.0)),
+            None,
+        ),
         # What a file says that says nothing: metal, wholly rough.
         (shine(None, None), Diffuse((0.8, 0.6, 0.4)), None),
         (shine(1.0, 0.0, (0.0, 0.0, 0.0, 1.0)), Mirror((1.0, 1.0, 1.0), 0.0), None),

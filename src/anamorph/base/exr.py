@@ -9,7 +9,7 @@ import io
 import os
 import sys
 from collections.abc import Iterator, Mapping
-from contextlib import contextmanager, redirect_stdout
+from contextlib import contextmanager, redirect_stdout, suppress
 from threading import Lock
 from typing import Any
 
@@ -34,18 +34,11 @@ def decode_exr(data: bytes, most_pixels: int) -> np.ndarray:
         Damage, more than `most_pixels`, or something that is not read: deep or subsampled pixels, a data window of its
         own, other primaries than those of Rec. 709, no colours. It says which.
     """
-    header = _opened(data, header_only=True).header()
-    low, high = header["dataWindow"]
-    width, height = (int(extent) for extent in np.subtract(high, low) + 1)
-    if not 0 < width * height <= most_pixels:
-        raise ValueError(f"{width} x {height} pixels, and at most {most_pixels} are read")
-    if not np.array_equal(header["dataWindow"], header["displayWindow"]):
-        raise ValueError("a data window that is not its display window")
-    if "deep" in str(header.get("type", "")):
-        raise ValueError("deep pixels")
-    primaries = header.get("chromaticities", REC_709)
-    if np.abs(np.subtract(primaries, REC_709)).max() > 1e-3:
-        raise ValueError("other primaries than those of Rec. 709")
+    try:
+        width, height = _size(_opened(data, header_only=True).header(), most_pixels)
+    except (AttributeError, KeyError, TypeError, OverflowError):
+        # What damage leaves of an attribute is of another type.
+        raise ValueError("a damaged header") from None
     channels = _opened(data).channels()
     names = next((names for names in ("RGB", "YYY", "RRR") if set(names) <= channels.keys()), None)
     if names is None:
@@ -54,6 +47,22 @@ def decode_exr(data: bytes, most_pixels: int) -> np.ndarray:
     if any(color.shape != (height, width) for color in colors):
         raise ValueError("subsampled colours")
     return np.stack(colors, axis=-1).astype(np.float32)
+
+
+def _size(header: dict[str, Any], most_pixels: int) -> tuple[int, int]:
+    """Width and height of an image whose header names nothing that is not read."""
+    low, high = header["dataWindow"]
+    width, height = (int(extent) for extent in np.subtract(high, low, dtype=np.int64) + 1)
+    if min(width, height) < 1 or width * height > most_pixels:
+        raise ValueError(f"{width} x {height} pixels, and at most {most_pixels} are read")
+    if not np.array_equal(header["dataWindow"], header["displayWindow"]):
+        raise ValueError("a data window that is not its display window")
+    if "deep" in str(header.get("type", "")):
+        raise ValueError("deep pixels")
+    primaries = header.get("chromaticities", REC_709)
+    if np.abs(np.subtract(primaries, REC_709)).max() > 1e-3:
+        raise ValueError("other primaries than those of Rec. 709")
+    return width, height
 
 
 def encode_exr(color: np.ndarray, layers: Mapping[str, np.ndarray]) -> bytes:
@@ -101,8 +110,13 @@ def _opened(data: bytes, **options: bool) -> Any:
 def _unprinted() -> Iterator[None]:
     """Keep off stdout and stderr what the library prints of damage: its callers say it in one line."""
     with _PRINTING, open(os.devnull, "wb") as nowhere:
-        sys.stdout.flush()
-        kept = [(number, os.dup(number)) for number in (1, 2)]
+        kept = []
+        # A program without a terminal may have neither.
+        if sys.stdout is not None:
+            sys.stdout.flush()
+        for number in (1, 2):
+            with suppress(OSError):
+                kept.append((number, os.dup(number)))
         try:
             for number, _ in kept:
                 os.dup2(nowhere.fileno(), number)

@@ -14,11 +14,11 @@ import numpy as np
 from anamorph.base.errors import AnamorphError, nearest
 from anamorph.files import cad
 from anamorph.files.gltf.gltf_shapes import gltf_shapes
+from anamorph.files.model_shape import ModelShape, cofactors
 from anamorph.files.normals import creased, repaired, with_winding
 from anamorph.files.obj import obj_shapes
 from anamorph.files.ply import ply_shapes
 from anamorph.files.reading import read
-from anamorph.files.shapes import Shape, cofactors
 from anamorph.files.source import FaceChoice
 from anamorph.files.stl import stl_shapes
 from anamorph.files.units_and_axes import metres_in, turn_of
@@ -112,7 +112,7 @@ def _after(matrix: np.ndarray, by: Similarity) -> np.ndarray:
     )
 
 
-def _far_middle(shapes: list[Shape]) -> np.ndarray:
+def _far_middle(shapes: list[ModelShape]) -> np.ndarray:
     """The middle of all vertices, float64, where they are far from the origin; else the origin."""
     with np.errstate(all="ignore"):
         points = [shape.positions @ shape.matrix[:3, :3].T + shape.matrix[:3, 3] for shape in shapes]
@@ -122,7 +122,7 @@ def _far_middle(shapes: list[Shape]) -> np.ndarray:
     return (low + high) / 2.0 if far else np.zeros(3)
 
 
-def _part(path: Path, shape: Shape) -> Part | None:
+def _part(path: Path, shape: ModelShape) -> Part | None:
     """A shape in the world; None where none of its triangles has an area."""
     where = f"{path}: part '{shape.name}'"
     positions, faces, normals, matrix = shape.positions, shape.faces, shape.normals, shape.matrix

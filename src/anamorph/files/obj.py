@@ -16,10 +16,10 @@ import numpy as np
 from anamorph.base.errors import AnamorphError
 from anamorph.base.notes import note
 from anamorph.files.materials import linear_colors
+from anamorph.files.model_shape import ModelShape
 from anamorph.files.mtl import MtlMaterials
 from anamorph.files.polygons import triangulated
 from anamorph.files.reading import as_utf8
-from anamorph.files.shapes import Shape
 from anamorph.scene.checks import check_triangles
 from anamorph.scene.model import WHITE
 
@@ -66,7 +66,7 @@ class ObjLines:
         raise AnamorphError(f"{self.path}: is damaged or no OBJ file ({why}); export it again")
 
 
-def obj_shapes(data: bytes, path: Path) -> list[Shape]:
+def obj_shapes(data: bytes, path: Path) -> list[ModelShape]:
     """The shapes of an OBJ file: one for each material of each group, or of each object that has no groups."""
     lines = ObjLines(path, MtlMaterials(path))
     _read(as_utf8(data).decode(), lines)
@@ -166,7 +166,7 @@ def _shape(
     corners: np.ndarray,
     tables: list[np.ndarray],
     colors: np.ndarray,
-) -> Shape:
+) -> ModelShape:
     name = group or name or lines.path.stem
     where = f"{lines.path}: part '{name}'"
     used, local = np.unique(np.array(faces.corners, np.int64), return_inverse=True)
@@ -183,7 +183,7 @@ def _shape(
             texcoords = texcoords * image.scale + image.offset
         # The file counts them from the bottom left.
         texcoords = texcoords * (1.0, -1.0) + (0.0, 1.0)
-    return Shape(
+    return ModelShape(
         name=name,
         positions=positions,
         faces=local[rows],

@@ -10,10 +10,10 @@ import numpy as np
 from anamorph.base.errors import AnamorphError
 from anamorph.base.notes import note
 from anamorph.files.materials import linear_colors, plain
+from anamorph.files.model_shape import ModelShape
 from anamorph.files.ply_elements import Element, Ply, read_ply
 from anamorph.files.polygons import triangulated
 from anamorph.files.reading import texture_beside
-from anamorph.files.shapes import Shape
 from anamorph.scene.checks import check_triangles
 from anamorph.scene.model import WHITE, Diffuse
 
@@ -23,7 +23,7 @@ COLORS = (("red", "green", "blue"), ("diffuse_red", "diffuse_green", "diffuse_bl
 KNOWN = ("vertex", "face", "tristrips", "material", "camera")
 
 
-def ply_shapes(data: bytes, path: Path) -> list[Shape]:
+def ply_shapes(data: bytes, path: Path) -> list[ModelShape]:
     """What a PLY file shows: one shape, or none where it has no faces."""
     ply, where = read_ply(data, path), f"{path}: part '{path.stem}'"
     for name in ply.elements.keys() - set(KNOWN):
@@ -51,7 +51,7 @@ def ply_shapes(data: bytes, path: Path) -> list[Shape]:
         colors = face_colors if colors is None else colors[corners]
         texcoords = wedges if texcoords is None else texcoords[corners]
     return [
-        Shape(
+        ModelShape(
             name=path.stem,
             positions=positions.astype(float),
             faces=faces,

@@ -14,8 +14,8 @@ import numpy as np
 from anamorph.base.errors import AnamorphError
 from anamorph.base.notes import note
 from anamorph.files.materials import linear_colors, plain
+from anamorph.files.model_shape import ModelShape
 from anamorph.files.reading import as_utf8
-from anamorph.files.shapes import Shape
 from anamorph.scene.model import Diffuse
 
 TRIANGLE = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("color", "<u2")])
@@ -24,7 +24,7 @@ SOLID = re.compile(r"^[^\S\n]*solid\b[^\S\n]*([^\n]*)$", re.IGNORECASE | re.MULT
 CORNER = re.compile(r"\bvertex\s+(\S+)\s+(\S+)\s+(\S+)", re.IGNORECASE)
 
 
-def stl_shapes(data: bytes, path: Path) -> list[Shape]:
+def stl_shapes(data: bytes, path: Path) -> list[ModelShape]:
     """The solids of an STL file: one of a binary file, any number of a text file."""
     count = int.from_bytes(data[80:HEADER], "little") if len(data) >= HEADER else 0
     # Text has letters where the count stands, which make it greater than any file. What begins with "solid" may be
@@ -48,8 +48,8 @@ def stl_shapes(data: bytes, path: Path) -> list[Shape]:
     return [_shape(path.stem, triangles["corners"].reshape(-1, 3), colors)]
 
 
-def _shape(name: str, corners: np.ndarray, colors: np.ndarray | None = None) -> Shape:
-    return Shape(
+def _shape(name: str, corners: np.ndarray, colors: np.ndarray | None = None) -> ModelShape:
+    return ModelShape(
         name=name,
         positions=corners.astype(float),
         faces=np.arange(len(corners)).reshape(-1, 3),
@@ -77,7 +77,7 @@ def _colors(header: bytes, words: np.ndarray) -> np.ndarray | None:
     return np.where(own[:, None], linear_colors(fields / 31.0), whole)
 
 
-def _text_shapes(text: str, path: Path) -> list[Shape]:
+def _text_shapes(text: str, path: Path) -> list[ModelShape]:
     starts = list(SOLID.finditer(text))
     ends = [start.start() for start in starts[1:]] + [len(text)]
     shapes = []

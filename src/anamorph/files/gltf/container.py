@@ -93,6 +93,11 @@ class Container:
         return self._buffers[number]
 
 
+def extension(entry: dict[str, Any], name: str) -> dict[str, Any]:
+    """What an extension adds to an entry of the header; empty where it adds nothing."""
+    return entry.get("extensions", {}).get(name, {})
+
+
 def opened(data: bytes, path: Path) -> Container:
     """Take the bytes of a glTF or GLB file apart; `path` tells the kind, and where the files lie that it names."""
     chunk = None

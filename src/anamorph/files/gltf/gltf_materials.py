@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from anamorph.base.notes import note
-from anamorph.files.gltf.container import Container
+from anamorph.files.gltf.container import Container, extension
 from anamorph.files.reading import decoded
 from anamorph.scene.model import Color, Diffuse, Glass, Material, Mirror, Texture
 
@@ -22,6 +22,8 @@ POLISHED = 0.3
 
 HALF = 0.5
 """The share from which a material counts as metal, or as letting light through."""
+
+GLOSSY = "KHR_materials_pbrSpecularGlossiness"
 
 WRAPS = {10497: "repeat", 33071: "clamp", 33648: "mirror"}
 """How samplers say what lies beyond an image's edges."""
@@ -52,7 +54,7 @@ class GltfMaterial:
 
 
 @dataclass(frozen=True, eq=False)
-class Materials:
+class GltfMaterials:
     """The materials of a file; images that several of them share are read once."""
 
     container: Container
@@ -79,15 +81,15 @@ class Materials:
     def _material(self, entry: dict[str, Any], name: str, number: int) -> GltfMaterial:
         where = f"material '{name}'" if name else f"material {number}"
         color, reference = self._base_color(entry, where)
-        shine = entry.get("pbrMetallicRoughness", {})
+        # What stands beside the older kind of material is for programs that do not know it.
+        shine = {} if GLOSSY in entry.get("extensions", {}) else entry.get("pbrMetallicRoughness", {})
         metal, roughness = (self._share(shine, key, where, 1.0) for key in ("metallicFactor", "roughnessFactor"))
-        through = self._extension(entry, "KHR_materials_transmission")
+        through = extension(entry, "KHR_materials_transmission")
         if self._share(through, "transmissionFactor", where, 0.0) >= HALF:
             self._tell_if(reference is not None or "transmissionTexture" in through, where, "images of glass")
             self._tell_if(roughness > 0.0 and "roughnessFactor" in shine, where, "the roughness of glass")
-            thin = (
-                self._share(self._extension(entry, "KHR_materials_volume"), "thicknessFactor", where, 0.0, None) == 0.0
-            )
+            volume = extension(entry, "KHR_materials_volume")
+            thin = self._share(volume, "thicknessFactor", where, 0.0, None) == 0.0
             return GltfMaterial(name, self._glass(entry, color, where), thin=thin)
         if metal >= HALF and roughness <= POLISHED and "metallicRoughnessTexture" not in shine:
             self._tell_if(reference is not None, where, "images of mirrors")
@@ -97,13 +99,13 @@ class Materials:
             self._left_out["metals that are rough, or told by an image, are drawn as diffuse"].append(where)
         if reference is None:
             return GltfMaterial(name, Diffuse(color))
-        moved = self._extension(reference, "KHR_texture_transform")
+        moved = extension(reference, "KHR_texture_transform")
         chosen = moved.get("texCoord", reference.get("texCoord", 0))
         image = Diffuse(color, self._texture(reference.get("index"), where))
         return GltfMaterial(name, image, f"TEXCOORD_{chosen}", _texture_transform(moved))
 
     def _base_color(self, entry: dict[str, Any], where: str) -> tuple[Color, dict[str, Any] | None]:
-        glossy = entry.get("extensions", {}).get("KHR_materials_pbrSpecularGlossiness")
+        glossy = entry.get("extensions", {}).get(GLOSSY)
         source, color, image = (
             (entry.get("pbrMetallicRoughness", {}), "baseColorFactor", "baseColorTexture")
             if glossy is None
@@ -116,15 +118,15 @@ class Materials:
         return (red, green, blue), source.get(image)
 
     def _glass(self, entry: dict[str, Any], color: Color, where: str) -> Glass:
-        index = self._share(self._extension(entry, "KHR_materials_ior"), "ior", where, 1.5, None)
+        index = self._share(extension(entry, "KHR_materials_ior"), "ior", where, 1.5, None)
         if index < 1.0:
             self.container.wrong(f"{where}: ior is {index:g}, and must be at least 1")
-        spread = self._share(self._extension(entry, "KHR_materials_dispersion"), "dispersion", where, 0.0, None)
+        spread = self._share(extension(entry, "KHR_materials_dispersion"), "dispersion", where, 0.0, None)
         return Glass(index, color, 20.0 / spread if spread > 0.0 else None)
 
     def _texture(self, number: object, where: str) -> Texture:
         entry = self.container.entry("textures", number)
-        source = self._extension(entry, "EXT_texture_webp").get("source", entry.get("source"))
+        source = extension(entry, "EXT_texture_webp").get("source", entry.get("source"))
         if source is None:
             kinds = ", ".join(entry.get("extensions", {})) or "no image"
             self.container.wrong(f"{where}: its texture holds {kinds}, which cannot be read; give it PNG or JPEG")
@@ -156,9 +158,6 @@ class Materials:
             limits = "0 to 1" if most else "0"
             self.container.wrong(f"{where}: {key} is {value!r:.60}, and must be a number from {limits}")
         return float(value)
-
-    def _extension(self, entry: dict[str, Any], name: str) -> dict[str, Any]:
-        return entry.get("extensions", {}).get(name, {})
 
     def _tell_if(self, so: bool, where: str, what: str) -> None:
         if so:

@@ -12,14 +12,14 @@ import trimesh
 from anamorph.base.errors import AnamorphError
 from anamorph.base.notes import note
 from anamorph.files.gltf.container import Container, opened
-from anamorph.files.gltf.gltf_materials import GltfMaterial, Materials
+from anamorph.files.gltf.gltf_materials import GltfMaterial, GltfMaterials
 from anamorph.files.gltf.nodes import joint_matrices, shown_nodes, world_matrices
 from anamorph.files.gltf.primitives import Primitive, primitive
-from anamorph.files.shapes import Shape, cofactors
+from anamorph.files.model_shape import ModelShape, cofactors
 from anamorph.scene.model import Diffuse, Glass
 
 
-def gltf_shapes(data: bytes, path: Path) -> list[Shape]:
+def gltf_shapes(data: bytes, path: Path) -> list[ModelShape]:
     """The shapes of the bytes of a .gltf or .glb file, by the numbers of their nodes.
 
     Raises
@@ -28,7 +28,7 @@ def gltf_shapes(data: bytes, path: Path) -> list[Shape]:
         One line that says which entry of the header, or which file that it names, is wrong.
     """
     container = opened(data, path)
-    materials = Materials(container)
+    materials = GltfMaterials(container)
     try:
         world, shapes = world_matrices(container), []
         for number in shown_nodes(container):
@@ -43,7 +43,9 @@ def gltf_shapes(data: bytes, path: Path) -> list[Shape]:
     return shapes
 
 
-def _shapes_of(container: Container, materials: Materials, number: int, world: list[np.ndarray]) -> Iterator[Shape]:
+def _shapes_of(
+    container: Container, materials: GltfMaterials, number: int, world: list[np.ndarray]
+) -> Iterator[ModelShape]:
     node = container.entry("nodes", number)
     if "mesh" not in node:
         return
@@ -63,7 +65,7 @@ def _shapes_of(container: Container, materials: Materials, number: int, world: l
         yield shape
 
 
-def _shape(where: str, name: str, of: Primitive, material: GltfMaterial, matrix: np.ndarray) -> Shape:
+def _shape(where: str, name: str, of: Primitive, material: GltfMaterial, matrix: np.ndarray) -> ModelShape:
     texcoords, colors = of.values.get(material.coordinates), of.values.get("COLOR_0")
     looks = material.material
     if isinstance(looks, Diffuse) and looks.texture is not None and texcoords is None:
@@ -74,7 +76,7 @@ def _shape(where: str, name: str, of: Primitive, material: GltfMaterial, matrix:
         looks = replace(looks, index=1.0, abbe=None)
     if texcoords is not None:
         texcoords = texcoords @ material.transform[:2, :2].T + material.transform[:2, 2]
-    return Shape(
+    return ModelShape(
         name=name,
         positions=of.values["POSITION"],
         faces=of.faces,
@@ -98,7 +100,7 @@ def _is_closed(of: Primitive) -> bool:
     return bool(welded.is_watertight)
 
 
-def _skinned(container: Container, shape: Shape, of: Primitive, joints: np.ndarray, where: str) -> Shape:
+def _skinned(container: Container, shape: ModelShape, of: Primitive, joints: np.ndarray, where: str) -> ModelShape:
     """The shape in the world, as its joints hold it: where its own node stands does not count."""
     assert of.joints is not None and of.shares is not None
     if of.joints.max(initial=0) >= len(joints):

@@ -12,7 +12,7 @@ import numpy as np
 
 from anamorph.base.notes import note
 from anamorph.files.gltf.accessors import numbers
-from anamorph.files.gltf.container import Container
+from anamorph.files.gltf.container import Container, extension
 
 
 def world_matrices(container: Container) -> list[np.ndarray]:
@@ -47,7 +47,7 @@ def shown_nodes(container: Container) -> list[int]:
     while waiting:
         number = waiting.pop()
         node = container.entry("nodes", number)
-        if number not in found and _extension(node, "KHR_node_visibility").get("visible", True):
+        if number not in found and extension(node, "KHR_node_visibility").get("visible", True):
             found.add(number)
             waiting += node.get("children", [])
     return sorted(found)
@@ -77,10 +77,6 @@ def _parents(container: Container) -> list[int | None]:
                 container.wrong(f"its glTF header is damaged (node {child} has two parents)")
             parents[child] = number
     return parents
-
-
-def _extension(entry: dict[str, Any], name: str) -> dict[str, Any]:
-    return entry.get("extensions", {}).get(name, {})
 
 
 def _matrix(container: Container, node: dict[str, Any], where: str) -> np.ndarray:

@@ -10,7 +10,7 @@ from anamorph.scene.model import Material
 
 
 @dataclass(frozen=True, eq=False)
-class Shape:
+class ModelShape:
     """Triangles of one material, as a file has them.
 
     Parameters

@@ -104,6 +104,13 @@ def test_every_library_is_read(tmp_path: Path, lines: str) -> None:
     assert (two.material, looks(two).color, area(two)) == ("b c", (0, 0, 1), 2.0)
 
 
+def test_libraries_may_be_called_otherwise(tmp_path: Path) -> None:
+    for name, shade in (("a", "1 0 0"), ("b", "0 0 1")):
+        (tmp_path / f"{name}.txt").write_text(f"newmtl {name}\nKd {shade}\n")
+    one, two = parts_of(tmp_path, f"mtllib a.txt b.txt\n{SQUARE}usemtl a\nf 1 2 3\nusemtl b\nf 1 3 4\n")
+    assert (looks(one).color, looks(two).color) == ((1, 0, 0), (0, 0, 1))
+
+
 def test_a_library_that_is_not_there_is_named(tmp_path: Path) -> None:
     with pytest.raises(AnamorphError, match=r"names the file 'my two\.mtl', which is not there"):
         parts_of(tmp_path, f"mtllib one.mtl my two.mtl\n{SQUARE}f 1 2 3\n", one="")

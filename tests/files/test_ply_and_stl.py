@@ -85,6 +85,7 @@ def test_concave_faces_of_a_ply_file_keep_their_notch(tmp_path: Path) -> None:
         ("4 0 1 3 2", 4.0),
         ("8 0 1 3 -1 1 2 3 -1", 4.0),
         ("3 0 1 3,3 1 2 3", 4.0),
+        ("10 0 1 3 2 -1 0 1 3 2 -1", 8.0),
         ("6 0 1 3 3 2 -1", 2.0),
     ],
 )

@@ -90,8 +90,20 @@ def test_no_polygons_have_no_triangles() -> None:
 
 
 def test_a_corner_that_is_off_the_plane_stays() -> None:
-    """Seen along the normal, (1, 0) and (1, 2) lie on straight edges; in space they stick out of them."""
-    corners = np.array([[0, 0, 0], [1, 0, 0.5], [2, 0, 0], [2, 2, 0], [1, 1, 0], [0, 2, 0], [0, 1, -0.4]], float)
+    """Seen along the normal, which is z, those that stick out of the plane lie on straight edges of a U."""
+    u = [
+        (0, 0, 0),
+        (1.5, 0, 0.1),
+        (3, 0, 0),
+        (3, 2, 0),
+        (2, 2, 0),
+        (2, 1, 0),
+        (1.5, 1, 0.3),
+        (1, 1, 0),
+        (1, 2, 0),
+        (0, 2, 0),
+    ]
+    corners = np.array(u, float)
     for shift in range(len(corners)):
         rolled = np.roll(corners, shift, axis=0)
         triangles, _ = triangulated(rolled, np.array([len(rolled)]), "part")

@@ -162,8 +162,7 @@ def _read_binary(data: bytes, at: int, elements: list[Element]) -> None:
 
 
 def _keep(element: Element, one: Property, values: np.ndarray, counts: np.ndarray) -> None:
-    """Note what has been read of a property, in this machine's order of bytes."""
-    values = values.astype(values.dtype.newbyteorder("="))
+    """Note what has been read of a property."""
     if one.counted is None:
         element.numbers[one.name] = values
     else:

@@ -81,8 +81,6 @@ def _cut(corners: np.ndarray, normal: np.ndarray) -> tuple[np.ndarray, bool]:
     if not length > 0.0:
         return fan, True
     flat = np.einsum("ni,ki->nk", corners - corners[0], np.array(across(tuple_of(normal / length))))
-    # Ears are tested by products of four lengths, which must neither vanish nor overflow.
-    flat /= np.abs(flat).max()
     cut = mapbox_earcut.triangulate_float64(flat, np.array([count], np.uint32)).reshape(-1, 3).astype(np.int64)
     if not len(cut):
         return fan, True

@@ -166,7 +166,7 @@ def dense_points(trial: Trial, points: np.ndarray) -> tuple[np.ndarray, np.ndarr
         places = surface.places(trial.low + (found[:, 1:] + corner) * width)
         out, ok = np.zeros((len(found), WORDS)), np.zeros(len(found), bool)
         settle(
-            kind, numbers, trial.size, tuple(map(float, trial.eye)), points[found[:, 0]], places, lengths,
+            kind, numbers, trial.size, tuple(map(float, trial.eye)), points[found[:, 0]], places, lengths, False,
             0, len(found), out, ok,
         )  # fmt: skip
         there = surface.placed(np.where(ok[:, None], out[:, PLACE : PLACE + 3], places))

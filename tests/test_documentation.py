@@ -210,6 +210,22 @@ def test_the_script_knows_every_figure_of_the_page(figures, page):
     assert all(f"(images/{page}/{PAPERS[page][1].format(number)})" in text for number in known)
 
 
+def test_the_images_of_surface_cameras_are_those_that_the_script_makes(figures):
+    known = runpy.run_path(str(ROOT / "docs" / "make_surface_cameras.py"))["FIGURES"]
+    text = (ROOT / "docs" / "surface-cameras.md").read_text()
+    assert sorted(re.findall(r"\(images/surface-cameras/([\w-]+)\.webp\)", text)) == sorted(known)
+
+
+def test_the_tables_of_converging_rays_say_where_they_are_exact():
+    text = (ROOT / "docs" / "surface-cameras.md").read_text()
+    rows = [[cell.strip() for cell in line.split("|")[1:-1]] for line in text.splitlines() if line.startswith("| ")]
+    mirrors = {row[0]: row[1:] for row in rows if len(row) == 5}
+    assert all(float(error) <= 0.01 for error in mirrors["at the center"])
+    assert float(mirrors["R/40 aside"][0]) > 0.1
+    maps = [row for row in rows if len(row) == 7 and row[1] == "`inward`"]
+    assert len(maps) == 3 and all(float(row[2]) <= 0.01 for row in maps)
+
+
 @pytest.fixture
 def thesis(figures):
     """The script that draws the figures of the thesis on trilinear projection."""

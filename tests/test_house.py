@@ -20,8 +20,8 @@ TESTS = sorted((ROOT / "tests").rglob("*.py"))
 
 ORDER = (
     "base", "surfaces", "scene", "lenses", "editing", "gallery", "files", "raymesh", "rays", "optics", "cameras",
-    "projection", "frame", "gpu", "raytriangle", "reflections", "methods", "measure", "rendering", "viewer", "bench",
-    "cli",
+    "projection", "frame", "gpu", "raytriangle", "methods", "inward", "measure", "reflections", "rendering", "viewer",
+    "bench", "cli",
 )  # fmt: skip
 """The rooms: each imports only itself and those that stand before it."""
 

@@ -12,6 +12,7 @@ from wgsl import bound, constants, declared, layout_of, rooms, texts
 from anamorph.base.steps import drain
 from anamorph.frame import Status
 from anamorph.gpu.buffers import MOST_LIGHTS, OBJECT, VERTEX
+from anamorph.inward import field_maps, raster
 from anamorph.methods.pervertex import finding, level, looking, silhouettes, surface_maps
 from anamorph.methods.pervertex.overlay import BALL_VERTICES
 from anamorph.methods.threeray import splat_records
@@ -64,6 +65,9 @@ RECORDS = [
     ("methods/virtual", "Search", device_search.SEARCH, {}),
     ("methods/virtual", "MapTexel", device_search.MAP_TEXEL, {"padding_0": None, "padding_1": None}),
     ("methods/virtual", "Reflected", cube_search.REFLECTED, {}),
+    ("inward", "Convergence", field_maps.CONVERGENCE, {}),
+    ("inward", "RayCorner", raster.RAY_CORNER, {}),
+    ("inward", "Lookup", raster.LOOKUP, {}),
     ("methods/trilinear", "RayTriangle", ray_records.RAY_TRIANGLE, {"padding": None}),
     ("methods/trilinear", "Lens", ray_records.LENS, {"padding": None}),
     ("methods/trilinear/straight", "StraightCorner", edges.STRAIGHT_CORNER, {"place": "x", "weights": "second"}),

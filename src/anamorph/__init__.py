@@ -24,9 +24,12 @@ if TYPE_CHECKING:
     from anamorph.measure.compare import compare as compare
     from anamorph.methods import METHODS as METHODS
     from anamorph.raymesh import RayMesh as RayMesh
+    from anamorph.reflections.hiding import visible as visible
     from anamorph.reflections.reflection_points import ReflectionPoints as ReflectionPoints
     from anamorph.reflections.reflection_points import ReflectionStatus as ReflectionStatus
     from anamorph.reflections.reflection_points import reflection_points as reflection_points
+    from anamorph.reflections.refraction_points import RefractionPoints as RefractionPoints
+    from anamorph.reflections.refraction_points import refraction_points as refraction_points
     from anamorph.rendering import render as render
     from anamorph.scene.camera import Camera as Camera
     from anamorph.scene.model import AmbientLight as AmbientLight
@@ -54,7 +57,9 @@ _HOMES = {
     "anamorph.measure.compare": ("compare",),
     "anamorph.methods": ("METHODS",),
     "anamorph.raymesh": ("RayMesh",),
+    "anamorph.reflections.hiding": ("visible",),
     "anamorph.reflections.reflection_points": ("ReflectionPoints", "ReflectionStatus", "reflection_points"),
+    "anamorph.reflections.refraction_points": ("RefractionPoints", "refraction_points"),
     "anamorph.rendering": ("render",),
     "anamorph.scene.camera": ("Camera",),
     "anamorph.lenses.lens": ("Lens",),

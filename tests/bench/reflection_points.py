@@ -1,9 +1,10 @@
 """How many of all reflection points are found, how many are spurious, and what a point takes.
 
-Run it with `./run bench reflection-points`. It prints a line for each mirror: of how many points how many places are
-found, how many of one point, how many of the truth's are missed, how many it does not have, how many of all break the
-law of reflection, of how many points the status is not `FOUND`, and the processor time of a point. Then it prints this
-time by how many pieces a mirror has.
+Run it with `./run bench reflection-points`. It prints a line for each mirror and lens: of how many points how many
+places are found, how many of one point, how many of the truth's are missed, how many it does not have, how many of all
+break the law of reflection or refraction, of how many points the status is not `FOUND`, and the processor time of a
+point. Points behind a lens lie on rays that go through it, and their rays are the truth; of the ball it is the plane of
+its center. Then it prints this time by how many pieces a mirror has.
 """
 
 from __future__ import annotations
@@ -32,8 +33,10 @@ from reflected_truth import (
     unmatched,
     whole_ball,
 )
+from refracted_truth import TRIALS, LensTrial, rays_through
+from refracted_truth import ball_points as glass_ball_points
 
-from anamorph import reflection_points
+from anamorph import reflection_points, refraction_points
 from anamorph.reflections import charts
 from anamorph.reflections.searching import MirrorSearch
 
@@ -75,7 +78,43 @@ def report(name: str, trial: Trial, points: np.ndarray, truth) -> None:
     unsure = int((found.point_status > 0).sum())
     print(
         f"{name:26} {len(points):7} {len(found.point):7} {found.counts.max():4} {missed:7} {more:7} {wrong:7} "
-        f"{unsure:7} {len(search.chart.parents):7} {spent:8.1f}",
+        f"{unsure:7} {len(search.pieces.chart.parents):7} {spent:8.1f}",
+        flush=True,
+    )
+
+
+def report_lens(name: str, trial: LensTrial, count: int) -> None:
+    """Print the line of one lens."""
+    entries, exits, ways = rays_through(trial, count, 17)
+    far = np.exp(np.random.default_rng(18).uniform(np.log(1e-3), np.log(300.0), (len(exits), 1)))
+    points, who = exits + trial.size * far * ways, np.arange(len(exits))
+    refraction_points(trial.scene, trial.eye, points[:10])
+    start = time.process_time()
+    found = refraction_points(trial.scene, trial.eye, points)
+    spent = 1e6 * (time.process_time() - start) / len(points)
+    more: int | str = "-"
+    if name == "glass_ball":
+        truth = glass_ball_points(trial.index, trial.eye, points)
+        who, entries = np.repeat(who, [len(each) for each in truth]), np.concatenate(truth)
+        more = len(unmatched(found.point, found.position[:, 0], who, entries, 1e-9 * trial.size))
+    # Where a caustic passes near the point, rounding of the point itself moves its place.
+    missed = len(unmatched(who, entries, found.point, found.position[:, 0], 1e-7 * trial.size))
+    near, far_face = (face.surface for face in trial.faces)
+    legs = [
+        found.position[:, 0] - trial.eye,
+        np.diff(found.position, axis=1)[:, 0],
+        points[found.point] - found.position[:, 1],
+    ]
+    legs = [leg / np.linalg.norm(leg, axis=1, keepdims=True) for leg in legs]
+    bent = [
+        np.linalg.norm(np.cross(before * legs[k] - after * legs[k + 1], surface.normal(found.parameters[:, k])), axis=1)
+        for k, (surface, before, after) in enumerate(((near, 1.0, trial.index), (far_face, trial.index, 1.0)))
+    ]
+    wrong = int((np.maximum(*bent) > 1e-8).sum())
+    unsure = int((found.point_status > 0).sum())
+    print(
+        f"{name:26} {len(points):7} {len(found.point):7} {found.counts.max():4} {missed:7} {more:>7} {wrong:7} "
+        f"{unsure:7} {'':7} {spent:8.1f}",
         flush=True,
     )
 
@@ -102,6 +141,9 @@ def main() -> None:
         if wanted(make.__name__):
             trial = make()
             report(make.__name__, trial, points_before(trial, chosen.points), dense_points)
+    for name, make_lens in TRIALS.items():
+        if wanted(name):
+            report_lens(name, make_lens(), chosen.points)
     if not chosen.only:
         trial = torus()
         points = points_before(trial, 20_000)
@@ -113,7 +155,7 @@ def main() -> None:
             start = time.process_time()
             count = len(search.find(points).point)
             spent = 1e6 * (time.process_time() - start) / len(points)
-            print(f"torus in {len(search.chart.parents):7} pieces: {spent:6.1f} us a point, {count} found")
+            print(f"torus in {len(search.pieces.chart.parents):7} pieces: {spent:6.1f} us a point, {count} found")
 
 
 if __name__ == "__main__":

@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from camera_rays import centers, from_line, rays_at, unit
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from scenes import spherical_mirror
@@ -29,11 +30,17 @@ ASKEW = Camera((1.0, 2.0, 3.0), (-0.5, 0.25, -1.0), (0.2, 1.0, 0.1), 55.0)
 NARROW = replace(ASKEW, field_of_view=30.0)
 SIZE = (48, 32)
 THIRDS = (90, 30)
+BALL_AT = Sphere(np.array([0.3, 0.2, -0.1]), 1.5)
 
 MAKERS = {
     "pinhole": (lambda: cameras.pinhole(ASKEW, SIZE), 2),
     "orthographic": (lambda: cameras.orthographic(ASKEW, SIZE), 2),
     "pushbroom": (lambda: cameras.pushbroom(ASKEW, SIZE), 2),
+    "more perspective": (lambda: cameras.perspective(ASKEW, SIZE, 1.7), 2),
+    "reversed": (lambda: cameras.perspective(ASKEW, SIZE, -1.0), 2),
+    "anti-perspective": (lambda: cameras.anti_perspective(ASKEW, SIZE), 2),
+    "on a street": (lambda: cameras.strip([LEFT, FRONT], SIZE, 6), 12),
+    "outside a ball": (lambda: cameras.from_surface(BALL_AT, SIZE, True, ((-1, 2), (-0.5, 1)), 3, 5), 30),
     "panorama": (lambda: cameras.panorama(ASKEW, SIZE), 72),
     "figure 6.4": (lambda: cameras.detail_and_context(ASKEW, SIZE), 18),
     "fine detail": (lambda: cameras.detail_and_context(ASKEW, SIZE, rows=7, columns=9), 126),
@@ -44,32 +51,6 @@ MAKERS = {
     "figure 7.6": (lambda: cameras.refracting_plane(ASKEW, SIZE), 50),
 }
 every_maker = pytest.mark.parametrize("name", MAKERS)
-
-
-def centers(size: tuple[int, int]) -> np.ndarray:
-    """Pixel centres, (H W, 2)."""
-    width, height = size
-    return np.stack(np.meshgrid(np.arange(width) + 0.5, np.arange(height) + 0.5), axis=-1).reshape(-1, 2)
-
-
-def rays_at(mesh: RayMesh, points: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Origins and directions, (N, 3), at image points (N, 2), and how many triangles hold each."""
-    weights = np.column_stack([points, np.ones(len(points))]) @ np.linalg.inv(mesh.image[mesh.faces])
-    weights /= weights.sum(axis=2, keepdims=True)
-    within = (weights >= -1e-9).all(axis=2)
-    chosen = within.argmax(axis=0), np.arange(len(points))
-    corners, share = mesh.faces[chosen[0]], weights[chosen]
-    origins, directions = (np.einsum("nk,nki->ni", share, rays[corners]) for rays in (mesh.origins, mesh.directions))
-    return origins, directions, within.sum(axis=0)
-
-
-def unit(vectors: np.ndarray) -> np.ndarray:
-    return vectors / np.linalg.norm(vectors, axis=-1, keepdims=True)
-
-
-def from_line(point: np.ndarray, origins: np.ndarray, directions: np.ndarray) -> np.ndarray:
-    """How far a point is from lines, (N,)."""
-    return np.linalg.norm(np.cross(np.asarray(point) - origins, unit(directions)), axis=1)
 
 
 def seen(mesh: RayMesh, scene: Scene, size: tuple[int, int]) -> np.ndarray:

@@ -272,7 +272,6 @@ INPUT = {
     "turntable by no method": (("turntable", "spheres", "-m", "magic", "-o", "a.webm"), "magic"),
     "turntable of no scene": (("turntable", "nowhere", "-o", "a.webm"), "nowhere"),
     "faces of no CAD file": (("turntable", "spheres", "-o", "a.webm", "--faces", "1"), "are for CAD files"),
-    "reflections without mirrors": (("reflections", "magnifier", "--point", "1", "1", "1"), "has no mirror"),
     "missing file": (("render", "no.glb", "-o", "a.png"), "no.glb"),
     "unknown scene": (("compare", "nowhere"), "nowhere"),
     "damaged file": (("render", "damaged.glb", "-o", "a.png"), "damaged.glb"),

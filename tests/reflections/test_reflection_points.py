@@ -88,6 +88,19 @@ def test_a_ball_shows_what_alhazen_s_quartic_says(eye, concave):
     assert not found.point_status.any()
 
 
+@pytest.mark.parametrize("concave", [False, True])
+@pytest.mark.parametrize("height", [1e-2, 1e-4, 1e-6])
+def test_an_eye_close_to_a_mirror_sees_all_that_it_shows(height, concave):
+    """Pieces of the mirror that are longer than the eye is high over it cover whole quarters of what the eye sees."""
+    random = np.random.default_rng(12)
+    eye = np.array(CENTER) + RADIUS * (1.0 - height if concave else 1.0 + height) * np.array([0.48, 0.6, 0.64])
+    trial, ways = whole_ball(eye, concave), random.normal(size=(1500, 3))
+    ways /= np.linalg.norm(ways, axis=1, keepdims=True)
+    far = np.exp(random.uniform(np.log(0.01), np.log(10.0), (1500, 1)))
+    points = CENTER + RADIUS * ways * (random.uniform(0.1, 0.99, (1500, 1)) if concave else 1.0 + far)
+    agrees(trial, found_by(trial, points), *ball_points(np.array(CENTER), RADIUS, trial.eye, points, concave))
+
+
 @pytest.mark.parametrize(
     ("name", "count"), [("saddle", 250), ("toroid", 250), ("torus", 150), ("door_mirror", 200), ("ripples", 20)]
 )
@@ -225,7 +238,7 @@ def test_a_point_on_a_mirror_has_a_status_and_one_beside_it_is_found():
     place, normal = trial.mesh.surface.position(np.array([[0.21, 0.13]])), normal_at(trial, np.array([[0.21, 0.13]]))
     points = np.concatenate([place, place + 1e-7 * normal, place - 1e-3 * normal])
     found = reflection_points(trial.scene, trial.eye, points)
-    assert found.point_status.tolist() == [ReflectionStatus.ON_MIRROR, ReflectionStatus.FOUND, ReflectionStatus.FOUND]
+    assert found.point_status.tolist() == [ReflectionStatus.ON_SURFACE, ReflectionStatus.FOUND, ReflectionStatus.FOUND]
     assert found.counts.tolist() == [0, 1, 0]
     assert np.linalg.norm(found.position - place) < 1e-6
 

@@ -23,6 +23,7 @@ from anamorph.cli.commands import main
 from anamorph.cli.turntable import save_turntable
 from anamorph.files.opening import open_scene
 from anamorph.files.source import Source
+from anamorph.files.view_file import views_of
 from anamorph.frame import Frame, View
 from anamorph.methods import Specification
 from anamorph.scene.camera import Camera
@@ -31,7 +32,6 @@ from anamorph.viewer.remembered import forget, go_to, remember
 from anamorph.viewer.starting import start_of
 from anamorph.viewer.state import EyeSide, Half, State, shown_camera, with_observer, with_picked
 from anamorph.viewer.turntable import LEG, between, orbit
-from anamorph.viewer.view_table import views_of
 
 UP = (0.0, 1.0, 0.0)
 places = st.tuples(*[st.floats(-5.0, 5.0)] * 3)

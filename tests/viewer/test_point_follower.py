@@ -105,7 +105,7 @@ def test_the_point_stays_and_its_marks_follow_the_eye_and_the_scene(hand: Hand) 
     hand.viewer.refresh()
     hand.settle(answered)
     turned = hand.viewer.snapshot()["reflections"]["found"]
-    assert hand.viewer.state.point == point and turned[0]["position"] != moved["found"][0]["position"]
+    assert hand.viewer.state.point == point and turned[0]["path"] != moved["found"][0]["path"]
 
 
 def test_another_click_is_another_point_and_escape_drops_it(hand: Hand) -> None:
@@ -223,8 +223,8 @@ def test_what_takes_long_is_searched_when_nothing_moves(monkeypatch: pytest.Monk
 
 def test_hidden_ones_are_dashed_and_have_no_colour_and_numbers_tell_the_order() -> None:
     eye, point = (0.0, 0.0, 0.0), (0.0, 0.0, 4.0)
-    seen = Reflection("mirror", (0.0, 1.0, 2.0), (5.0, 5.0), 4.5, 1, False)
-    hidden = Reflection("mirror", (1.0, 0.0, 2.0), None, 5.5, -1, True)
+    seen = Reflection("mirror", ((0.0, 1.0, 2.0),), (5.0, 5.0), 4.5, 1, False)
+    hidden = Reflection("mirror", ((1.0, 0.0, 2.0),), None, 5.5, -1, True)
     marks = reflection_marks(Reflections(point, eye, ReflectionStatus.FOUND, (seen, hidden)))
     grey = (marks.segments.colors == np.float32(HIDDEN_LEG)).all(axis=1)
     assert grey.sum() == 2 * DASHES and len(grey) == 2 + 2 * DASHES
@@ -234,6 +234,9 @@ def test_hidden_ones_are_dashed_and_have_no_colour_and_numbers_tell_the_order() 
     lengths = np.linalg.norm(np.diff(dashes, axis=1), axis=2)
     assert lengths.sum() == pytest.approx(0.5 * 2.0 * np.hypot(1.0, 2.0), rel=1e-5)
     assert np.allclose(dashes[:DASHES, :, 0] * 2.0, dashes[:DASHES, :, 2], atol=1e-5)
+    through = Reflection("lens/back", ((0.0, 1.0, 2.0), (0.0, 1.0, 3.0)), (5.0, 5.0), 4.5, 1, False)
+    marks = reflection_marks(Reflections(point, eye, ReflectionStatus.FOUND, (through,)))
+    assert marks.segments.ends.tolist() == [[[0, 0, 0], [0, 1, 2]], [[0, 1, 2], [0, 1, 3]], [[0, 1, 3], [0, 0, 4]]]
     camera = Camera((0.0, 0.5, -1.0), (0.0, 0.5, 3.0))
     found = (seen, hidden, replace(seen, order=0))
     numbers = numbers_of(Reflections(point, eye, ReflectionStatus.FOCUS, found), camera, (200.0, 100.0))

@@ -6,17 +6,16 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from scenes import CAMERA, SIZE, drawn, flat_mirror, pixels_of, scene_with, spherical_mirror
+from lens_scenes import CAMERA as LENS_CAMERA
+from lens_scenes import PLUS, lens_of, scene_of
+from scenes import CAMERA, SIZE, flat_mirror, pixels_of, scene_with, spherical_mirror
 
 from anamorph.base.errors import AnamorphError
-from anamorph.frame import Status
-from anamorph.gallery import make
 from anamorph.gallery.flat_mirror import plane_mirror
 from anamorph.gallery.solids import box
-from anamorph.reflections.reflection_points import reflection_points
 from anamorph.scene.model import Diffuse, Mesh, Scene
 from anamorph.viewer.facts import Reflection
-from anamorph.viewer.point_search import reflections_of, vertex_counts, visible
+from anamorph.viewer.point_search import reflections_of, vertex_counts
 
 POINT = (-0.2, 0.5, 2.0)
 MIRRORED = np.array([1.0, 1.0, -1.0])
@@ -44,7 +43,7 @@ def test_a_flat_mirror_shows_a_point_where_its_mirrored_one_is():
     behind = MIRRORED * POINT
     eye = np.array(CAMERA.position)
     assert found.pixel == pytest.approx(pixels_of(CAMERA, SIZE, behind), abs=1e-9)
-    assert found.position == pytest.approx(eye + ON_MIRROR * (behind - eye), abs=1e-12)
+    assert found.path == (pytest.approx(eye + ON_MIRROR * (behind - eye), abs=1e-12),)
     assert found.length == pytest.approx(np.linalg.norm(behind - eye), rel=1e-12)
     assert (found.name, found.order, found.hidden) == ("mirror", 1, False)
     assert reflections_of(before(), CAMERA, SIZE, (-0.2, 0.5, -2.0)).found == ()
@@ -52,7 +51,7 @@ def test_a_flat_mirror_shows_a_point_where_its_mirrored_one_is():
 
 @pytest.mark.parametrize("leg", [0, 1])
 def test_what_stands_in_either_leg_hides_a_point_and_what_stands_beside_or_beyond_does_not(leg):
-    place = np.array(only(before()).position)
+    place = np.array(only(before()).path[0])
     start, stop = (np.array(CAMERA.position), place) if leg == 0 else (place, np.array(POINT))
 
     def with_a_box(middle: np.ndarray) -> Scene:
@@ -76,49 +75,6 @@ def test_a_mirror_before_the_mirror_hides_what_it_shows():
     near = plane_mirror("near", (-0.3, 0.2, 0.3), (0.8, 0.0, 0.0), (0.0, 0.8, 0.0))
     found = reflections_of(before(near), CAMERA, SIZE, POINT).found
     assert {each.name: each.hidden for each in found} == {"near": False, "mirror": True}
-
-
-def searched(
-    scene: Scene, points: np.ndarray, size: tuple[int, int] = SIZE
-) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Of each reflection point its point's number, its pixel, and whether it is visible."""
-    found = reflection_points(scene, scene.camera, points, size)
-    assert (found.image[:, 2] > 0.0).all()
-    return found.point, found.image[:, :2] / found.image[:, 2:], visible(scene, scene.camera, size, points, found)
-
-
-@pytest.mark.parametrize(("radius", "cells"), [(1.4, 8), (-0.6, 8), (0.5, 2)])
-def test_a_pixel_that_sees_a_point_in_a_mirror_is_one_of_those_that_show_it(radius, cells):
-    scene = scene_with(spherical_mirror(radius, cells))
-    frame = drawn(scene, "raytrace:bounces=1")
-    rows, columns = np.nonzero((frame.specular == 1) & (frame.object_id > 0) & (frame.status == Status.TRACED))
-    point, pixels, seen = searched(scene, frame.position[rows, columns].astype(float))
-    away = np.linalg.norm(pixels - np.column_stack([columns, rows])[point] - 0.5, axis=1)
-    # The points are float32, and one of a concave mirror's may be magnified.
-    own = np.bincount(point[(away < 0.02)], minlength=len(rows))
-    shown = np.bincount(point[(away < 0.02) & seen], minlength=len(rows))
-    # At the very border, it is rounding that tells whether there is one.
-    assert len(rows) > 1000 and (own == 1).mean() > 0.999 and (shown == own).mean() > 0.999
-
-
-def test_a_visible_place_is_where_the_image_shows_that_point():
-    scene, size = make("torus"), (480, 360)
-    frame = drawn(scene, "raytrace:bounces=1", size)
-    rows, columns = (each[::29] for each in np.nonzero((frame.object_id > 0) & (frame.status != Status.OUTSIDE)))
-    points = frame.position[rows, columns].astype(float)
-    point, pixels, seen = searched(scene, points, size)
-    x, y = pixels.astype(int).T
-    around = [np.s_[y + down, x + right] for down in (-1, 0, 1) for right in (-1, 0, 1)]
-    # Away from silhouettes, a pixel and those around it see one object, but for what is smaller than a pixel.
-    here = frame.object_id[y, x]
-    even = np.all([(frame.specular[each] == 1) & (frame.object_id[each] == here) for each in around], axis=0)
-    same = here == frame.object_id[rows, columns][point]
-    assert (seen & even).sum() > 1000 and (seen & even & ~same).sum() < 0.02 * (seen & even).sum()
-    away = np.linalg.norm(frame.position[y, x] - points[point], axis=1)
-    spread = np.max([np.linalg.norm(frame.position[each] - frame.position[y, x], axis=1) for each in around], axis=0)
-    assert (away <= spread)[seen & even & same].all()
-    # What is hidden there is not seen there.
-    assert (~seen & even).sum() > 300 and (away > 1e-2)[~seen & even].all()
 
 
 def test_vertices_before_a_flat_mirror_are_counted_where_the_mirrored_eye_sees_them_through_it():
@@ -151,6 +107,21 @@ def test_the_counts_of_vertices_are_those_of_points():
         for place, count in zip(mesh.positions.tolist()[::7], own[::7], strict=True):
             found = reflections_of(scene, CAMERA, SIZE, tuple(place)).found
             assert sum(not each.hidden for each in found) == count
+
+
+def test_a_lens_shows_points_too_beside_mirrors_or_alone():
+    lens = lens_of(PLUS)
+    point = (0.05, 0.5, -1.5)
+    alone = reflections_of(scene_of(lens), LENS_CAMERA, SIZE, point)
+    both = reflections_of(Scene("both", (flat_mirror(), *lens.meshes), LENS_CAMERA), LENS_CAMERA, SIZE, point)
+    assert [(each.name, len(each.path)) for each in alone.found] == [("lens/back", 2)]
+    assert [(each.name, len(each.path)) for each in both.found] == [("lens/back", 2)]
+    behind = reflections_of(
+        Scene("both", (flat_mirror(), *lens.meshes), LENS_CAMERA), LENS_CAMERA, SIZE, (0.1, 0.6, 0.8)
+    )
+    assert [(each.name, len(each.path)) for each in behind.found] == [("mirror", 1)]
+    counts = vertex_counts(scene_of(lens), LENS_CAMERA, SIZE)
+    assert [each.any() for each in counts[:3]] == [False] * 3 and sum(each.sum() for each in counts) > 0
 
 
 def test_what_has_nothing_to_search_is_refused_in_one_line():

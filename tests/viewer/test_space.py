@@ -247,7 +247,7 @@ def test_all_that_the_state_asks_for_is_drawn_and_nothing_else():
     assert len(space_marks(space, state_of(scene), CAMERA, SIZE).segments.ends) == 0
     assert "surroundings" not in vars(space), "nothing is prepared that is not drawn"
     sizes = {}
-    found = Reflection("mirror", (0.0, 0.5, 0.0), (1.0, 2.0), 3.0, 1, False)
+    found = Reflection("mirror", ((0.0, 0.5, 0.0),), (1.0, 2.0), 3.0, 1, False)
     shown = Reflections((0.0, 0.5, 1.0), CAMERA.position, ReflectionStatus.FOUND, (found,))
     for drawing in Drawing:
         reflections = shown if drawing is Drawing.REFLECTIONS else None

@@ -1,4 +1,4 @@
-"""Linear cameras, each exact by two triangles: pinhole, orthographic, pushbroom.
+"""Linear cameras, each exact by two triangles: pinhole, orthographic, what leads from one to the other, pushbroom.
 
 More of their kind are known (J. Yu and L. McMillan, "General linear cameras", 2004); `from_grid` makes any.
 """
@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from anamorph.base.errors import AnamorphError
 from anamorph.cameras.grid import Size, checked_number, checked_size, from_grid, grid_points
 from anamorph.raymesh import RayMesh
 from anamorph.scene.camera import Camera
@@ -35,6 +36,64 @@ def orthographic(camera: Camera, size: Size, height: float | None = None) -> Ray
     forward = camera.axes()[2]
     across = (sight - forward) * _scale(camera, height)
     return from_grid(camera.position + across, np.broadcast_to(forward, sight.shape), size)
+
+
+def perspective(camera: Camera, size: Size, amount: float = 1.0) -> RayMesh:
+    """What `camera` sees with more or less perspective, or with a reversed one; its target's plane stays as it is.
+
+    At the depth z beyond the target, at whose distance d the image shows a height H, it shows H (1 + amount z / d). So
+    0 is the orthographic image and 1 the camera's own, below 0 what is farther away is larger, and nothing jumps
+    between them.
+
+    Source: Vallance and Calder, "Multi-perspective images for visualisation" (2001), appendix F of Vallance,
+    "Trilinear projection", section 4, Figures 12 to 14.
+
+    Parameters
+    ----------
+    camera : Camera
+    size : (width, height)
+        Pixels.
+    amount : float
+        Of perspective. Rays leave the plane through the camera's position; with more than 1 the point before it
+        from which they part. Below 0 they meet in a point, a target's distance over -amount beyond the target, behind
+        which all is seen reversed.
+    """
+    if not np.isfinite(amount):
+        raise AnamorphError(f"camera: amount is {amount}; give a number, 0 for no perspective")
+    distance = target_distance(camera)
+    sight = lines_of_sight(camera, grid_points(size, (1, 1)), size)
+    forward = camera.axes()[2]
+    directions = forward + amount * (sight - forward)
+    reach = distance / max(1.0, amount)
+    return from_grid(camera.position + distance * sight - reach * directions, directions, size)
+
+
+def anti_perspective(camera: Camera, size: Size, distance: float | None = None) -> RayMesh:
+    """Rays that leave a rectangle and converge in one point before it: nearer things look smaller.
+
+    The rectangle stands across the view of `camera`, its middle at the camera's position, and the camera's field of
+    view is the angle under which it is seen from the point of convergence. Beyond that point all is seen reversed.
+
+    Source: Vallance and Calder, "Inward looking projections" (2003), appendix G of Vallance, "Trilinear projection",
+    section 4, Figure 2.
+
+    Parameters
+    ----------
+    camera : Camera
+    size : (width, height)
+        Pixels.
+    distance : float, optional
+        From the rectangle to the point of convergence, metres; the target's where not given.
+
+    Returns
+    -------
+    RayMesh
+        2 triangles; directions reach the point of convergence.
+    """
+    reach = target_distance(camera) if distance is None else checked_number("distance", distance, 0.0, np.inf, "metres")
+    sight = reach * lines_of_sight(camera, grid_points(size, (1, 1)), size)
+    forward = reach * camera.axes()[2]
+    return from_grid(camera.position + sight - forward, 2.0 * forward - sight, size)
 
 
 def pushbroom(camera: Camera, size: Size, height: float | None = None) -> RayMesh:

@@ -11,11 +11,11 @@ from anamorph.base.video import check_video
 from anamorph.files.opening import open_source
 from anamorph.files.scene_file import Settings
 from anamorph.files.source import Source
+from anamorph.files.view_file import views_of
 from anamorph.methods import Specification
 from anamorph.scene.camera import Camera
 from anamorph.viewer.remembered import LEAST
 from anamorph.viewer.turntable import FRAMES, RATE, between, orbit, turntable
-from anamorph.viewer.view_table import views_of
 
 
 def save_turntable(

@@ -21,7 +21,7 @@ from anamorph.editing.edit import Edit
 from anamorph.files.models import Part
 from anamorph.files.opening import open_source, scene_in
 from anamorph.files.part_tables import EDIT, edit_of, selected
-from anamorph.files.scene_file import BASE, Settings, eye_of, start_of
+from anamorph.files.scene_file import BASE, Settings, camera_of, eye_of, start_of
 from anamorph.files.source import FaceChoice, Source
 from anamorph.files.tables import Table, read_tables
 from anamorph.files.toml import toml_text
@@ -164,6 +164,15 @@ def eye_values(camera: Camera) -> dict[str, Any]:
     vectors = {"position": camera.position, "target": camera.target, "up": camera.up}
     written: dict[str, Any] = {key: [float(entry) for entry in vector] for key, vector in vectors.items()}
     return {**written, "field_of_view": float(camera.field_of_view)}
+
+
+def views_of(table: Table | None) -> tuple[Camera, ...]:
+    """The remembered views that a [view] table keeps; none where there is no table."""
+    views = []
+    for number, each in enumerate([] if table is None else table.tables("views"), start=1):
+        views.append(camera_of(each))
+        check_camera(views[-1], f"{each.path}: number {number} of views")
+    return tuple(views)
 
 
 def _base(source: Source, directory: Path) -> dict[str, Any]:

@@ -12,6 +12,7 @@ import numpy as np
 
 from anamorph.base.vectors import tuple_of
 from anamorph.methods.session import Session
+from anamorph.raymesh import RayMesh
 from anamorph.scene.camera import Camera
 from anamorph.scene.model import Scene
 
@@ -54,7 +55,7 @@ def eye_path(scene: Scene, n: int) -> list[Camera]:
 
 
 def timing_rounds(
-    sessions: Mapping[Name, Session], cameras: Sequence[Camera], minimum: int = 30
+    sessions: Mapping[Name, Session], cameras: Sequence[Camera | RayMesh], minimum: int = 30
 ) -> Generator[tuple[int, int], None, dict[Name, Timing]]:
     """Time sessions side by side: each draws a frame from one camera before any goes on to the next.
 

@@ -124,14 +124,8 @@ def refracted_rays(lens: Refractor, eye: Eye, index: float | None = None) -> Ray
     offset = eye.offsets(lens.positions)
     distance = np.linalg.norm(offset, axis=1, keepdims=True)
     away = np.einsum("ij,ij->i", offset, lens.normals) >= 0.0
-    inside, _ = refract(offset / distance, lens.normals, 1.0 / index)
-
-    exits, normals, met = np.empty_like(offset), np.empty_like(offset), np.empty(len(offset), bool)
-    start = ((lens.middle - lens.positions) @ lens.axis) / np.maximum(inside @ lens.axis, 1e-3)
-    facing = np.broadcast_to(-lens.axis, offset.shape)
-    unused = np.zeros((len(offset), 2))
-    meet_all(lens.far_kind, lens.far_numbers, lens.positions, inside, start, unused, facing, exits, normals, met)
-    leaving, total = refract(inside, -lens.far_sign * normals, index)
+    inside, exits, normals, met = to_far_face(lens, lens.positions, lens.normals, offset / distance, index)
+    leaving, total = refract(inside, normals, index)
     origins = np.where(met[:, None], exits, lens.positions)
     directions = np.where(met[:, None], leaving, inside)
 
@@ -145,6 +139,39 @@ def refracted_rays(lens: Refractor, eye: Eye, index: float | None = None) -> Ray
     entering = 1.0 - fresnel(1.0 / index, _cosines(offset / distance, lens.normals))
     transmittance = np.where(total, entering, entering * (1.0 - fresnel(index, _cosines(inside, normals))))
     return RayMesh(eye.image(lens.positions), origins, distance * directions, lens.faces, status, transmittance)
+
+
+def to_far_face(
+    lens: Refractor, positions: np.ndarray, normals: np.ndarray, directions: np.ndarray, index: float
+) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """Let rays enter a lens by its near face, and find where they meet the far face's surface, beyond its edge too.
+
+    Parameters
+    ----------
+    lens : Refractor
+    positions, normals : (N, 3) float64
+        Where they enter, and the normals of the near face there, out of the glass.
+    directions : (N, 3) float64
+        Unit directions before they enter.
+    index : float
+        Refractive index.
+
+    Returns
+    -------
+    inside : (N, 3) float64
+        Unit directions in the glass.
+    exits, normals : (N, 3) float64
+        Where they meet the far face's surface, and its unit normals there, against the rays in the glass.
+    met : (N,) bool
+        False where they do not; `exits` and `normals` say nothing there.
+    """
+    inside, _ = refract(directions, normals, 1.0 / index)
+    exits, far_normals, met = np.empty_like(inside), np.empty_like(inside), np.empty(len(inside), bool)
+    start = ((lens.middle - positions) @ lens.axis) / np.maximum(inside @ lens.axis, 1e-3)
+    facing = np.broadcast_to(-lens.axis, inside.shape)
+    unused = np.zeros((len(inside), 2))
+    meet_all(lens.far_kind, lens.far_numbers, positions, inside, start, unused, facing, exits, far_normals, met)
+    return inside, exits, -lens.far_sign * far_normals, met
 
 
 def _cosines(directions: np.ndarray, normals: np.ndarray) -> np.ndarray:

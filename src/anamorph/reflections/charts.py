@@ -1,4 +1,4 @@
-"""Mirrors as charts: what of a mirror the search for reflection points reads, whatever eye looks at it.
+"""Mirrors and lenses as charts: what of a face the search for reflection points reads, whatever eye looks at it.
 
 A chart is the mesh's triangles, cut into pieces so small that interpolated rays say well enough where to search. The
 corners of pieces are places of the exact surface, as `Surface.places` gives them. Of a mesh without one, a place is the
@@ -8,7 +8,7 @@ weights of a triangle's second and third corner, and the triangle's number.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
@@ -36,6 +36,9 @@ BEYOND = 1.1
 """How far beyond an arc the tangents at its ends meet, in its heights over its chord: the arcs of borders are short."""
 
 SAME_NORMAL = 1e-7
+
+HALVINGS, FINEST = 40, 1e-10
+"""How often pieces beside an eye are halved, and how long their edges are at least, as a share of the mirror's size."""
 
 MOST_CUTS = 64
 MOST_PIECES = 200_000
@@ -94,14 +97,19 @@ class Chart:
     normals: np.ndarray
 
 
-def chart_of(mesh: Mesh) -> Chart:
-    """The chart of a mirror."""
+def chart_of(mesh: Mesh, rounds: Sequence[RoundBorder] | None = None) -> Chart:
+    """The chart of a mirror, or of the face of a lens, which the borders `rounds` end.
+
+    A face of a lens is cut where it is flat, too: what a flat mirror does to rays is interpolated exactly, but not what
+    a flat face does.
+    """
     size = float(np.ptp(np.asarray(mesh.positions, float)[np.unique(mesh.faces)], axis=0).max())
     if mesh.surface is None or mesh.parameters is None:
         return _plain_chart(mesh, size)
     kind, numbers = pack(mesh.surface)
     triangles, faces = mesh.surface.places(mesh.parameters)[mesh.faces], np.arange(len(mesh.faces))
-    rounds = mirror_borders(mesh)
+    whole = kind == PLANE and rounds is None
+    rounds = mirror_borders(mesh) if rounds is None else rounds
     arcs, circles = _arcs(mesh, rounds)
     if kind in PATCHES:
         triangles, faces = _with_poles(kind, numbers, triangles, size)
@@ -109,9 +117,9 @@ def chart_of(mesh: Mesh) -> Chart:
     toward = np.asarray(mesh.normals, float)[mesh.faces[faces]].sum(axis=1)
     trim = Trim(triangles, arcs, circles)
     parents, corners = _with_caps(mesh, rounds, arcs, triangles)
-    if kind != PLANE:
-        longest = _longest(_expanded(kind, numbers, corners)[0])
-        parents, corners = _cut(parents, corners, np.ceil(longest * CELLS / size))
+    if not whole:
+        edges = longest(_expanded(kind, numbers, corners)[0])
+        parents, corners = _cut(parents, corners, np.ceil(edges * CELLS / size))
         parents, corners = _cut(parents, corners, _waves(kind, numbers, corners))
     positions, normals = _expanded(kind, numbers, corners)
     side = 1.0 if np.sum(normals.sum(axis=1) * toward[parents]) > 0.0 else -1.0
@@ -130,14 +138,55 @@ def _plain_chart(mesh: Mesh, size: float) -> Chart:
     places[:, :, 2] = np.arange(count)[:, None]
     trim = Trim(places, np.zeros((count, 3), np.int64), np.zeros((0, 7)))
     # Between corners of one normal, rays are interpolated exactly.
-    flat = np.abs(normals - normals[:, :1]).max(axis=(1, 2)) <= SAME_NORMAL
-    parents, corners = _cut(np.arange(count), places, np.where(flat, 1.0, np.ceil(_longest(positions) * CELLS / size)))
+    flat = _even(normals)
+    parents, corners = _cut(np.arange(count), places, np.where(flat, 1.0, np.ceil(longest(positions) * CELLS / size)))
     corners[:, :, 2] = parents[:, None]
+    return Chart(NONE, numbers, size, 1.0, trim, np.arange(count), parents, corners, *_interpolated(numbers, corners))
+
+
+def _even(normals: np.ndarray) -> np.ndarray:
+    """Which triangles have one normal at all corners, (P,) bool, of their unit normals (P, 3, 3)."""
+    return np.abs(normals - normals[:, :1]).max(axis=(1, 2)) <= SAME_NORMAL
+
+
+def _interpolated(numbers: np.ndarray, corners: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Positions and unit normals of the corners (P, 3, 3) of pieces of a plain mesh."""
+    rows = numbers.reshape(-1, 2, 3, 3)[corners[:, 0, 2].astype(int)]
     u, v = corners[..., :1], corners[..., 1:2]
     weights = np.concatenate([1.0 - u - v, u, v], axis=2)
-    positions, normals = weights @ positions[parents], weights @ normals[parents]
-    normals /= np.linalg.norm(normals, axis=2, keepdims=True)
-    return Chart(NONE, numbers, size, 1.0, trim, np.arange(count), parents, corners, positions, normals)
+    positions, normals = weights @ rows[:, 0], weights @ rows[:, 1]
+    return positions, normals / np.linalg.norm(normals, axis=2, keepdims=True)
+
+
+def cut_beside(chart: Chart, eye: np.ndarray, flat: bool = False) -> Chart:
+    """The chart with smaller pieces where an eye at (3,) is so close that it sees them at wide angles.
+
+    Flat pieces are cut only if they are those of a lens, `flat`.
+    """
+    if chart.kind == PLANE and not flat:
+        return chart
+    for _ in range(HALVINGS):
+        edges = longest(chart.positions)
+        close = np.linalg.norm(chart.positions.mean(axis=1) - eye, axis=1) < edges
+        close &= edges > FINEST * chart.size
+        if not flat:
+            close &= ~_even(chart.normals)
+        if not close.any():
+            break
+        parents, corners = _cut(chart.parents[close], chart.corners[close], np.full(close.sum(), 2.0))
+        if chart.kind == NONE:
+            corners[:, :, 2] = parents[:, None]
+            positions, normals = _interpolated(chart.numbers, corners)
+        else:
+            positions, normals = _expanded(chart.kind, chart.numbers, corners)
+            normals = chart.side * normals
+        parts = (parents, corners, positions, normals)
+        held = (chart.parents, chart.corners, chart.positions, chart.normals)
+        joined = [np.concatenate([old[~close], new]) for old, new in zip(held, parts, strict=True)]
+        chart = replace(
+            chart, parents=joined[0], corners=joined[1], positions=joined[2], normals=joined[3]
+        )  # fmt: skip
+    return chart
 
 
 def _with_poles(kind: int, numbers: np.ndarray, triangles: np.ndarray, size: float) -> tuple[np.ndarray, np.ndarray]:
@@ -163,7 +212,7 @@ def _with_poles(kind: int, numbers: np.ndarray, triangles: np.ndarray, size: flo
     return np.concatenate(found), np.concatenate(faces)
 
 
-def _longest(positions: np.ndarray) -> np.ndarray:
+def longest(positions: np.ndarray) -> np.ndarray:
     """The longest edges of triangles (P, 3, 3), (P,)."""
     return np.linalg.norm(positions - np.roll(positions, 1, axis=1), axis=2).max(axis=1)
 
@@ -172,9 +221,11 @@ def _arcs(mesh: Mesh, rounds: Sequence[RoundBorder]) -> tuple[np.ndarray, np.nda
     """The arcs and circles of a `Trim`."""
     assert mesh.surface is not None
     arcs = np.zeros(mesh.faces.shape, np.int64)
-    # On a sphere the border is where a plane cuts it, whichever of the two caps the mirror is.
-    flat = isinstance(mesh.surface, Sphere)
-    circles = np.array([[*each.middle, *each.axis, 0.0 if flat else each.radius] for each in rounds]).reshape(-1, 7)
+    # The border of a mirror on a sphere is where a plane cuts it, whichever of the two caps the mirror is.
+    flat = [isinstance(mesh.surface, Sphere) and not each.of_lens for each in rounds]
+    radii = [0.0 if plane else each.radius for each, plane in zip(rounds, flat, strict=True)]
+    rows = [[*each.middle, *each.axis, radius] for each, radius in zip(rounds, radii, strict=True)]
+    circles = np.array(rows).reshape(-1, 7)
     if not rounds:
         return arcs, circles
     count, places = len(mesh.positions), mesh.exact_positions()
@@ -186,7 +237,9 @@ def _arcs(mesh: Mesh, rounds: Sequence[RoundBorder]) -> tuple[np.ndarray, np.nda
         for number, circle in enumerate(rounds, start=1):
             on = border & (arcs[:, corner] == 0) & circle.arcs(places[ends])
             heights = (facing - circle.middle) @ circle.axis
-            inside = heights > 0.0 if flat else np.linalg.norm(circle.across(facing), axis=1) < circle.radius
+            inside = (
+                heights > 0.0 if flat[number - 1] else np.linalg.norm(circle.across(facing), axis=1) < circle.radius
+            )
             arcs[on, corner] = np.where(inside[on], number, -number)
     return arcs, circles
 

@@ -1,9 +1,9 @@
-"""A tree of ray cones: which pieces of a mirror may send a ray of the eye to a point.
+"""A tree of ray cones: which pieces of a mirror or a lens may send a ray of the eye to a point.
 
-Each node holds a ball around its pieces, a cone around the directions of their reflected rays, and whether one of
-them turns its front to the eye. A ray that starts in the ball and goes in a direction of the cone can reach a point
-only under one condition. Seen from the ball's middle, the angle between the cone's axis and the point must not exceed
-the angles of the cone and the ball together.
+Each node holds a ball around where the rays of its pieces leave the mirror or the lens, a cone around their directions
+there, and whether a piece turns its front to the eye. A ray that starts in the ball and goes in a direction of the cone
+can reach a point only under one condition. Seen from the ball's middle, the angle between the cone's axis and the point
+must not exceed the angles of the cone and the ball together.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from anamorph.raytriangle.rows import packed
 from anamorph.raytriangle.scaled import scaled_rays
 from anamorph.reflections.charts import Chart
 
-PAD = 0.1
+PAD = 0.2
 """How far outside a piece, in its weights, a ray may start that is still the piece's own."""
 
 WIDER = 1.0 + 3.0 * PAD
@@ -30,7 +30,7 @@ SLACK = 1.04
 
 
 class ConeTree(NamedTuple):
-    """The pieces of a mirror before an eye.
+    """The pieces of a mirror or a lens before an eye.
 
     Parameters
     ----------
@@ -54,11 +54,41 @@ class ConeTree(NamedTuple):
     row_of: np.ndarray
 
 
-def ordered(chart: Chart) -> tuple[np.ndarray, np.ndarray]:
-    """The order of a chart's pieces, and the balls of its tree: the same for all eyes."""
-    count = len(chart.positions)
-    middles = chart.positions.mean(axis=1)
-    radii = WIDER * SLACK * np.linalg.norm(chart.positions - middles[:, None], axis=2).max(axis=1)
+class LeavingRays(NamedTuple):
+    """The rays of an eye that leave a mirror or a lens, at the corners of the pieces they came by.
+
+    Parameters
+    ----------
+    origins, directions : (P, 3, 3) float64
+        Directions as long as the eye's distance from where its ray came by.
+    seen : (P,) bool
+        Whether the front of a piece is seen.
+    """
+
+    origins: np.ndarray
+    directions: np.ndarray
+    seen: np.ndarray
+
+
+def reflected(chart: Chart, eye: np.ndarray) -> LeavingRays:
+    """What a mirror makes of the rays of an eye at (3,)."""
+    offsets = chart.positions - eye
+    directions = reflect(offsets.reshape(-1, 3), chart.normals.reshape(-1, 3)).reshape(offsets.shape)
+    return LeavingRays(chart.positions, directions, front_seen(chart, offsets))
+
+
+def front_seen(chart: Chart, offsets: np.ndarray) -> np.ndarray:
+    """Of which pieces an eye sees the front, (P,) bool, if `offsets` (P, 3, 3) lead from it to their corners."""
+    distances = np.linalg.norm(offsets, axis=2)
+    facing = -np.einsum("pki,pki->pk", offsets, chart.normals) / np.maximum(distances, np.finfo(float).tiny)
+    # Where the front of a piece is seen between its corners only, one of them is not far from showing it.
+    return facing.max(axis=1) + PAD * np.ptp(facing, axis=1) > 0.0
+
+
+def ordered(positions: np.ndarray) -> np.ndarray:
+    """The order of pieces with corners at `positions` (P, 3, 3), (P,): the same for all eyes."""
+    count = len(positions)
+    middles = positions.mean(axis=1)
     leaves = 1 << max(count - 1, 0).bit_length()
     order = np.arange(count)
     parts = 1
@@ -72,26 +102,33 @@ def ordered(chart: Chart) -> tuple[np.ndarray, np.ndarray]:
         along = own[np.arange(count), spread.argmax(axis=1)[part]]
         order = order[np.lexsort([along, part])]
         parts *= 2
+    return order
+
+
+def balls_around(order: np.ndarray, positions: np.ndarray, seen: np.ndarray | None = None) -> np.ndarray:
+    """The balls of the tree of pieces in their `order`, around corners at `positions` (P, 3, 3).
+
+    Only pieces that are `seen`, (P,) bool, have one; without it all have.
+    """
+    middles = positions.mean(axis=1)
+    radii = WIDER * SLACK * np.linalg.norm(positions - middles[:, None], axis=2).max(axis=1)
+    leaves = 1 << max(len(order) - 1, 0).bit_length()
     balls = np.full((2 * leaves, 4), -1.0)
     piece = _leaves(order, leaves)
-    held = piece >= 0
+    held = piece >= 0 if seen is None else (piece >= 0) & seen[piece]
     balls[leaves:][held, :3], balls[leaves:][held, 3] = middles[piece[held]], radii[piece[held]]
     _join_balls(balls, leaves)
-    return order, balls
+    return balls
 
 
-def cone_tree(chart: Chart, order: np.ndarray, balls: np.ndarray, eye: np.ndarray) -> ConeTree:
-    """The tree of a chart for an eye at (3,)."""
-    offsets = chart.positions - eye
-    distances = np.linalg.norm(offsets, axis=2)
-    facing = -np.einsum("pki,pki->pk", offsets, chart.normals) / np.maximum(distances, np.finfo(float).tiny)
-    # Where the front of a piece is seen between its corners only, one of them is not far from showing it.
-    seen = facing.max(axis=1) + PAD * np.ptp(facing, axis=1) > 0.0
-    directions = reflect(offsets.reshape(-1, 3), chart.normals.reshape(-1, 3)).reshape(offsets.shape)
+def cone_tree(rays: LeavingRays, order: np.ndarray, balls: np.ndarray) -> ConeTree:
+    """The tree of pieces in their `order`, with `balls` around where their rays leave."""
+    seen = rays.seen
     row_of = np.full(len(seen), -1)
     row_of[seen] = np.arange(seen.sum())
-    rows = packed(scaled_rays(chart.positions[seen], directions[seen])) if seen.any() else np.zeros((0, 46))
-    units = directions / np.maximum(distances, np.finfo(float).tiny)[..., None]
+    rows = packed(scaled_rays(rays.origins[seen], rays.directions[seen])) if seen.any() else np.zeros((0, 46))
+    lengths = np.linalg.norm(rays.directions, axis=2, keepdims=True)
+    units = rays.directions / np.maximum(lengths, np.finfo(float).tiny)
     axes = units.sum(axis=1)
     lengths = np.linalg.norm(axes, axis=1, keepdims=True)
     axes /= np.maximum(lengths, np.finfo(float).tiny)

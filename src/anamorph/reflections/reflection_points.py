@@ -23,13 +23,13 @@ class ReflectionStatus(IntEnum):
 
     FOUND: it is where its numbers say; of a point, all are found.
     FOCUS: several merge here, or it is one of a whole curve or surface of them: one stands for all of its mirror.
-    ON_MIRROR: the point itself is on a mirror, and what that mirror shows of it is not looked for.
+    ON_SURFACE: the point itself is on a mirror or a lens, and what is seen of it there is not looked for.
     MANY: there were so many places to search from that some were left out; there may be more than are given.
     """
 
     FOUND = 0
     FOCUS = 1
-    ON_MIRROR = 2
+    ON_SURFACE = 2
     MANY = 3
 
 
@@ -115,9 +115,9 @@ def reflection_points(
     """
     opened = scene if isinstance(scene, Scene) else open_scene(scene)[0]
     checked = check_contents(opened)
-    place = _finite("eye", eye.position if isinstance(eye, Camera) else eye, (3,))
+    place = finite("eye", eye.position if isinstance(eye, Camera) else eye, (3,))
     sought = np.atleast_2d(np.asarray(points, float))
-    sought = _finite("points", sought, (len(sought), 3))
+    sought = finite("points", sought, (len(sought), 3))
     numbers = [number for number, mesh in enumerate(checked.meshes) if isinstance(mesh.material, Mirror)]
     if not numbers:
         raise AnamorphError(f"scene '{checked.name}': has no mirror; give a part the material mirror")
@@ -126,19 +126,12 @@ def reflection_points(
     for number in numbers:
         mesh = checked.meshes[number]
         search = MirrorSearch.of(mesh, place)
-        if search.find(place[None]).on[0]:
+        if search.pieces.touched(place[None])[0]:
             raise AnamorphError(f"eye {tuple_of(place)} is on the mirror '{mesh.name}'; move it away from it")
         own = search.find(sought)
         found.append(own)
-        exact = mesh.surface if mesh.parameters is not None else None
-        parameters.append(own.place[:, :2] if exact is None else exact.placed(own.place))
-        focus = np.bincount(own.point[own.order == 0], minlength=len(states)) > 0
-        for marked, status in (
-            (own.on, ReflectionStatus.ON_MIRROR),
-            (own.full & ~focus, ReflectionStatus.MANY),
-            (focus, ReflectionStatus.FOCUS),
-        ):
-            states[marked] = np.maximum(states[marked], status)
+        parameters.append(search.pieces.placed(own.place))
+        raised(states, own.on, own.full, own.point, own.order)
 
     def joined(field: str) -> np.ndarray:
         return np.concatenate([getattr(own, field) for own in found])
@@ -163,7 +156,23 @@ def reflection_points(
     )
 
 
-def _finite(name: str, values: ArrayLike, shape: tuple[int, ...]) -> np.ndarray:
+def raised(states: np.ndarray, on: np.ndarray, full: np.ndarray, point: np.ndarray, order: np.ndarray) -> None:
+    """Raise what is known of N points, `states` (N,), by what was found on one more mirror or lens.
+
+    `on` and `full` (N,) tell which are on it and which were not searched for to the end; `point` and `order` (M,) are
+    those of what was found.
+    """
+    focus = np.bincount(point[order == 0], minlength=len(states)) > 0
+    for marked, status in (
+        (on, ReflectionStatus.ON_SURFACE),
+        (full & ~focus, ReflectionStatus.MANY),
+        (focus, ReflectionStatus.FOCUS),
+    ):
+        states[marked] = np.maximum(states[marked], status)
+
+
+def finite(name: str, values: ArrayLike, shape: tuple[int, ...]) -> np.ndarray:
+    """An argument as float64, if it has a shape and its numbers are those of a scene; else an AnamorphError."""
     array = np.asarray(values, float)
     if array.shape != shape:
         raise AnamorphError(f"{name}: has the shape {array.shape}; give {shape} numbers, in metres")

@@ -7,27 +7,17 @@ from weakref import WeakKeyDictionary
 
 import numpy as np
 
-from anamorph.base.compiled import compiled, over_all_cores
+from anamorph.base.compiled import over_all_cores
 from anamorph.base.vectors import Vector, tuple_of
 from anamorph.reflections.beside import beside
-from anamorph.reflections.charts import Chart, chart_of
-from anamorph.reflections.cone_tree import ConeTree, cone_tree, ordered
-from anamorph.reflections.seeds import DEPTH, seeds_of
-from anamorph.reflections.stationary import LENGTH, NORMAL, ORDER, PLACE, POSITION, TWIN, WORDS, settle
-from anamorph.reflections.trims import belong
+from anamorph.reflections.charts import chart_of
+from anamorph.reflections.cone_tree import ConeTree, cone_tree, reflected
+from anamorph.reflections.distinct import distinct
+from anamorph.reflections.pieces import ON, Pieces
+from anamorph.reflections.seeds import seeds_of
+from anamorph.reflections.stationary import LENGTH, NORMAL, ORDER, PLACE, POSITION, WORDS, settle
+from anamorph.reflections.trims import GRAIN
 from anamorph.scene.model import Mesh
-
-SAME = 1e-6
-"""Reflection points nearer to each other than this share of the mirror's size are one."""
-
-ON = 1e-9
-"""A point nearer to a mirror than this share of its size is on it."""
-
-TWINS = 4
-"""How often the twins of new reflection points are searched for."""
-
-GRAIN = 1024
-"""Starts that one core takes at a time."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,31 +50,29 @@ class OnMirror:
 class MirrorSearch:
     """A mirror before an eye, ready to be searched."""
 
-    chart: Chart
+    pieces: Pieces
     tree: ConeTree
     eye: Vector
-    lengths: np.ndarray
 
     @classmethod
     def of(cls, mesh: Mesh, eye: np.ndarray) -> MirrorSearch:
         """Prepare the search on a mirror for the eye at (3,); what was prepared last for the mesh is used again."""
-        kept = _KEPT.get(mesh)
         place = tuple_of(eye)
-        if kept is not None and kept.search.eye == place:
-            return kept.search
-        if kept is None:
-            chart = chart_of(mesh)
-            edges = np.linalg.norm(chart.positions - np.roll(chart.positions, 1, axis=1), axis=2)
-            order, balls, lengths = *ordered(chart), edges.max(axis=1)
-        else:
-            chart, order, balls, lengths = kept.search.chart, kept.order, kept.balls, kept.search.lengths
-        search = cls(chart, cone_tree(chart, order, balls, eye), place, lengths)
-        _KEPT[mesh] = _Kept(search, order, balls)
+        search = _SEARCHES.get(mesh)
+        if search is not None and search.eye == place:
+            return search
+        whole = _PIECES.get(mesh)
+        if whole is None:
+            exact = mesh.surface if mesh.parameters is not None else None
+            whole = _PIECES[mesh] = Pieces.of(exact, chart_of(mesh))
+        pieces = whole.cut_beside(eye)
+        search = cls(pieces, cone_tree(reflected(pieces.chart, eye), pieces.order, pieces.balls), place)
+        _SEARCHES[mesh] = search
         return search
 
     def find(self, points: np.ndarray) -> OnMirror:
         """The reflection points of points (N, 3)."""
-        chart = self.chart
+        chart = self.pieces.chart
         owners, weights, full = seeds_of(self.tree, points)
         point, piece = owners.T
         near = np.isnan(weights[:, 0])
@@ -95,27 +83,19 @@ class MirrorSearch:
         started = self._started(points, point, piece, places, np.flatnonzero(near), on)
         point, piece, places = point[started], piece[started], places[started]
 
-        kept, rows = np.zeros((0, 3), np.int64), np.zeros((0, WORDS))
-        for _ in range(1 + TWINS):
-            if not len(point):
-                break
-            new, triangle, found = self._settled(points, point, piece, places)
-            many = np.concatenate([kept, np.stack([point[found], piece[found], triangle], axis=-1)])
-            fresh = np.arange(len(many)) >= len(kept)
-            order = np.argsort(many[:, 0], kind="stable")
-            kept, rows, fresh = many[order], np.concatenate([rows, new])[order], fresh[order]
-            keep = np.ones(len(kept), bool)
-            _merge(kept[:, 0].copy(), rows, SAME * chart.size, keep)
-            kept, rows, fresh = kept[keep], rows[keep], fresh[keep]
-            twins = fresh & ~np.isnan(rows[:, TWIN])
-            point, piece, places = kept[twins, 0], kept[twins, 1], rows[twins, TWIN : TWIN + 3].copy()
+        def settled(
+            point: np.ndarray, piece: np.ndarray, places: np.ndarray, at_folds: bool
+        ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+            return self._settled(points, point, piece, places, at_folds)
+
+        point, triangles, rows = distinct(settled, point, piece, places, chart.size)
         return OnMirror(
-            point=kept[:, 0],
+            point=point,
             position=rows[:, POSITION : POSITION + 3],
             place=rows[:, PLACE : PLACE + 3],
             length=rows[:, LENGTH],
             order=rows[:, ORDER].astype(int),
-            triangle=self.chart.faces[kept[:, 2]],
+            triangle=chart.faces[triangles[:, 0]],
             full=full,
             on=on,
         )
@@ -130,10 +110,10 @@ class MirrorSearch:
         on: np.ndarray,
     ) -> np.ndarray:
         """Which starts are good; those `near` the mirror, numbers (K,), get other places, and `on` is marked."""
-        chart, started = self.chart, np.ones(len(point), bool)
+        chart, started = self.pieces.chart, np.ones(len(point), bool)
         if not len(near):
             return started
-        sought, starts, lengths = points[point[near]], places[near], self.lengths[piece[near]]
+        sought, starts, lengths = points[point[near]], places[near], self.pieces.lengths[piece[near]]
         feet, away = np.zeros((len(near), 6)), np.zeros(len(near))
 
         def work(start: int, stop: int) -> None:
@@ -143,72 +123,48 @@ class MirrorSearch:
 
         over_all_cores(work, len(near), GRAIN)
         touching = np.flatnonzero(away <= ON * chart.size)
-        there = self._triangles(piece[near[touching]], feet[touching, :3].copy(), feet[touching, 3:].copy())
+        first = chart.parents[piece[near[touching]]]
+        there = self.pieces.holding(first, feet[touching, :3].copy(), feet[touching, 3:].copy())
         on[point[near[touching[there >= 0]]]] = True
         places[near] = starts
         started[near] = np.isfinite(away) & (away > ON * chart.size)
         return started
 
     def _settled(
-        self, points: np.ndarray, point: np.ndarray, piece: np.ndarray, places: np.ndarray
+        self, points: np.ndarray, point: np.ndarray, piece: np.ndarray, places: np.ndarray, at_folds: bool
     ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """The rows of what is found from some starts, its triangles, and the numbers of these starts."""
-        chart = self.chart
+        chart = self.pieces.chart
         rows, ok = np.zeros((len(point), WORDS)), np.zeros(len(point), bool)
-        sought, lengths = points[point], self.lengths[piece]
+        sought, lengths = points[point], self.pieces.lengths[piece]
 
         def work(start: int, stop: int) -> None:
-            settle(chart.kind, chart.numbers, chart.size, self.eye, sought, places, lengths, start, stop, rows, ok)
+            settle(
+                chart.kind,
+                chart.numbers,
+                chart.size,
+                self.eye,
+                sought,
+                places,
+                lengths,
+                at_folds,
+                start,
+                stop,
+                rows,
+                ok,
+            )
 
         over_all_cores(work, len(point), GRAIN)
         position, normal = rows[:, POSITION : POSITION + 3], rows[:, NORMAL : NORMAL + 3]
         for end in (np.asarray(self.eye), sought):
             ok &= chart.side * np.einsum("si,si->s", normal, end - position) > 0.0
         found = np.flatnonzero(ok)
-        triangles = self._triangles(
-            piece[found], rows[found, PLACE : PLACE + 3].copy(), rows[found, POSITION : POSITION + 3].copy()
-        )
+        places, positions = (rows[found, first : first + 3].copy() for first in (PLACE, POSITION))
+        triangles = self.pieces.holding(chart.parents[piece[found]], places, positions)
         held = triangles >= 0
-        return rows[found[held]], triangles[held], found[held]
-
-    def _triangles(self, piece: np.ndarray, places: np.ndarray, positions: np.ndarray) -> np.ndarray:
-        """In which triangles places lie that were found from some pieces, (S,); -1 for none."""
-        chart, tree = self.chart, self.tree
-        triangles = chart.parents[piece]
-
-        def work(start: int, stop: int) -> None:
-            stack = np.zeros(DEPTH, np.int64)
-            belong(
-                chart.kind, chart.trim, tree.order, tree.balls, chart.parents, places, positions,
-                start, stop, stack, triangles,
-            )  # fmt: skip
-
-        over_all_cores(work, len(places), GRAIN)
-        return triangles
+        return rows[found[held]], triangles[held, None], found[held]
 
 
-@dataclass(frozen=True, eq=False)
-class _Kept:
-    """The last search on a mirror, and what of its tree is the same for all eyes."""
-
-    search: MirrorSearch
-    order: np.ndarray
-    balls: np.ndarray
-
-
-_KEPT: WeakKeyDictionary[Mesh, _Kept] = WeakKeyDictionary()
+_PIECES: WeakKeyDictionary[Mesh, Pieces] = WeakKeyDictionary()
+_SEARCHES: WeakKeyDictionary[Mesh, MirrorSearch] = WeakKeyDictionary()
 """As long as a mesh lives, so does what was prepared for it: its arrays do not change."""
-
-
-@compiled
-def _merge(point: np.ndarray, rows: np.ndarray, close: float, keep: np.ndarray) -> None:
-    """Unmark what is the same as an earlier row of its point; all that are a focus are one."""
-    for i in range(len(point)):
-        j = i - 1
-        while j >= 0 and point[j] == point[i] and keep[i]:
-            if keep[j]:
-                one, other = rows[i, ORDER], rows[j, ORDER]
-                x, y, z = rows[i, 0] - rows[j, 0], rows[i, 1] - rows[j, 1], rows[i, 2] - rows[j, 2]
-                same = x * x + y * y + z * z <= close * close and one * other >= 0.0
-                keep[i] = not (same or (one == 0.0 and other == 0.0))
-            j -= 1

@@ -12,6 +12,7 @@ from anamorph.raytriangle.rows import CHANGE, FLAT, LENGTHS, MEAN, MIDDLE, PACE,
 from anamorph.raytriangle.scaled import SPREAD
 from anamorph.raytriangle.solve import COUNT, ROOT, ROOTS, VALID, solve_point
 from anamorph.reflections.cone_tree import PAD, ConeTree, in_ball, may_reach
+from anamorph.reflections.trims import DEPTH
 
 GRAIN = 2048
 """Points that one core takes at a time."""
@@ -30,8 +31,6 @@ FARTHEST = 1e6
 """Along the rays, in the units of their triangle: extrema of the cubic beyond are of no use."""
 
 UP, SIDE, BACK = float(SPREAD[0, 1]), float(SPREAD[1, 1]), float(SPREAD[1, 2])
-
-DEPTH = 128
 
 
 def seeds_of(tree: ConeTree, points: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

@@ -6,11 +6,17 @@ import math
 
 import numpy as np
 
-from anamorph.base.compiled import compiled
+from anamorph.base.compiled import compiled, over_all_cores
 from anamorph.base.vectors import Vector, along, cross, dot
-from anamorph.reflections.charts import Trim
+from anamorph.reflections.charts import Chart, Trim
 from anamorph.reflections.cone_tree import in_ball
 from anamorph.surfaces.intersection import NONE
+
+DEPTH = 128
+"""Nodes that wait on a walk down a tree, at most."""
+
+GRAIN = 1024
+"""Places that one core takes at a time."""
 
 BESIDE = 1e-9
 """A weight this little below 0 is still on the edge, which two triangles share."""
@@ -67,8 +73,39 @@ def _outside(circles: np.ndarray, arc: int, position: Vector) -> bool:
     return further > BESIDE * radius if arc > 0 else further < -BESIDE * radius
 
 
+def triangles_of(
+    chart: Chart,
+    order: np.ndarray,
+    balls: np.ndarray,
+    first: np.ndarray,
+    places: np.ndarray,
+    positions: np.ndarray,
+) -> np.ndarray:
+    """In which triangles places lie, (S,) int64; -1 for none.
+
+    Parameters
+    ----------
+    chart : Chart
+    order, balls
+        Of its pieces: see `ConeTree`.
+    first : (S,) int64
+        The triangles to be tried first.
+    places, positions : (S, 3) float64
+    """
+    triangles = first.copy()
+
+    def work(start: int, stop: int) -> None:
+        stack = np.zeros(DEPTH, np.int64)
+        _belong(
+            chart.kind, chart.trim, order, balls, chart.parents, places, positions, start, stop, stack, triangles
+        )  # fmt: skip
+
+    over_all_cores(work, len(places), GRAIN)
+    return triangles
+
+
 @compiled
-def belong(
+def _belong(
     kind: int,
     trim: Trim,
     order: np.ndarray,

@@ -81,18 +81,18 @@ class Inspection:
 
 @dataclass(frozen=True)
 class Reflection:
-    """One of the reflection points of a point.
+    """One of the reflection points or refraction points of a point.
 
     Parameters
     ----------
     name : str
-        Of the mirror.
-    position : three floats
-        Where on it, metres.
+        Of the mirror, or of the face of a lens that the eye looks at.
+    path : tuple of three floats each
+        Where on it, metres; through a lens, where on both faces.
     pixel : (x, y) or None
         Where the eye's image shows it, from the image's top left, which need not be inside; None behind the eye.
     length : float
-        Of the path from the eye over the mirror to the point, metres.
+        Of the path from the eye to the point, metres; in glass times the refractive index.
     order : int
         1 where the point is seen the right way round, -1 where it is seen mirrored, 0 at a focus.
     hidden : bool
@@ -100,7 +100,7 @@ class Reflection:
     """
 
     name: str
-    position: Vector
+    path: tuple[Vector, ...]
     pixel: tuple[float, float] | None
     length: float
     order: int
@@ -109,7 +109,7 @@ class Reflection:
 
 @dataclass(frozen=True)
 class Reflections:
-    """Where the mirrors of a scene show a point to the eye.
+    """Where the mirrors and lenses of a scene show a point to the eye.
 
     Parameters
     ----------

@@ -43,7 +43,7 @@ def numbers_of(reflections: Reflections | None, camera: Camera, size: tuple[floa
     """The numbers in a camera's image of `size` (width, height), logical pixels; none of what lies behind it."""
     if reflections is None:
         return ()
-    positions = np.array([each.position for each in reflections.found]).reshape(-1, 3)
+    positions = np.array([each.path[0] for each in reflections.found]).reshape(-1, 3)
     width, height = (max(round(side), 1) for side in size)
     numbers = []
     for number, (each, (x, y, w)) in enumerate(

@@ -271,12 +271,12 @@ def reflection_marks(reflections: Reflections) -> Marks:
     """The paths over all reflection points of a point, dashed and without colours where something hides it there."""
     parts = []
     for each in reflections.found:
-        legs = between([reflections.eye, each.position], [each.position, reflections.point])
+        legs = between([reflections.eye, *each.path], [*each.path, reflections.point])
         if each.hidden:
-            parts += [line_marks(_dashed(legs), HIDDEN_LEG, 1.6), dot_marks(each.position, HIDDEN_LEG, 4.0)]
+            parts += [line_marks(_dashed(legs), HIDDEN_LEG, 1.6), dot_marks(np.array(each.path), HIDDEN_LEG, 4.0)]
         else:
-            colors = np.array([LEG_COLORS[0], LEG_COLORS[2]])
-            parts += [line_marks(legs, colors, 2.5), dot_marks(each.position, LEG_COLORS[1], 5.5)]
+            colors = np.array([LEG_COLORS[0], *[LEG_COLORS[1]] * (len(legs) - 2), LEG_COLORS[2]])
+            parts += [line_marks(legs, colors, 2.5), dot_marks(np.array(each.path), LEG_COLORS[1], 5.5)]
     return joined([*parts, dot_marks(reflections.point, LEG_COLORS[2], 5.5)])
 
 

@@ -19,6 +19,7 @@ from anamorph.frame import View
 from anamorph.methods import Specification
 from anamorph.methods.averaging import averaging
 from anamorph.scene.camera import Camera
+from anamorph.scene.camera_path import camera_between
 from anamorph.scene.model import Scene
 from anamorph.viewer.facts import Progress
 from anamorph.viewer.remembered import LEAST
@@ -73,37 +74,8 @@ def between(views: Sequence[Camera], frames: int | None = None) -> list[Camera]:
     for place in np.linspace(0.0, len(views) - 1, frames):
         number = min(int(place), len(views) - 2)
         share = place - number
-        path.append(_between(views[number], views[number + 1], share * share * (3.0 - 2.0 * share)))
+        path.append(camera_between(views[number], views[number + 1], share * share * (3.0 - 2.0 * share)))
     return path
-
-
-def _between(one: Camera, other: Camera, share: float) -> Camera:
-    if share in (0.0, 1.0) or one == other:
-        return other if share == 1.0 else one
-    right, _, ahead = one.axes()
-    up, other_up = (np.divide(camera.up, np.linalg.norm(camera.up)) for camera in (one, other))
-    tilt = _tilt(up, other_up, right)
-    # Backward, from the targets to the eyes: about the first view's upward direction, and up from its horizontal.
-    horizontal = np.cross(right, up)
-    away = Rotation.from_rotvec(-tilt).apply(-other.axes()[2])
-    around = share * np.arctan2(away @ right, away @ horizontal)
-    rises = [np.arctan2(back @ up, np.linalg.norm(np.cross(back, up))) for back in (-ahead, away)]
-    rise = (1.0 - share) * rises[0] + share * rises[1]
-    back = np.cos(rise) * (np.cos(around) * horizontal + np.sin(around) * right) + np.sin(rise) * up
-    back, up = Rotation.from_rotvec(share * tilt).apply([back, up])
-    target = (1.0 - share) * np.array(one.target) + share * np.array(other.target)
-    first, last = (np.linalg.norm(np.subtract(each.target, each.position)) for each in (one, other))
-    eye = target + first ** (1.0 - share) * last**share * back
-    field = one.field_of_view ** (1.0 - share) * other.field_of_view**share
-    return Camera(tuple_of(eye), tuple_of(target), tuple_of(up), float(field))
-
-
-def _tilt(up: np.ndarray, other: np.ndarray, right: np.ndarray) -> np.ndarray:
-    """The shortest rotation vector from an upward direction to another, about `right` where they are opposite."""
-    across = np.cross(up, other)
-    sine = np.linalg.norm(across)
-    axis = across / sine if sine > 1e-12 else right
-    return float(np.arctan2(sine, up @ other)) * axis
 
 
 def _check_frames(frames: int) -> None:

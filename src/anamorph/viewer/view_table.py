@@ -14,7 +14,7 @@ from anamorph.base.vectors import Vector
 from anamorph.editing.edit import Edit
 from anamorph.files.scene_file import camera_of
 from anamorph.files.tables import Table
-from anamorph.files.view_file import Opened, eye_values
+from anamorph.files.view_file import Opened, eye_values, views_of
 from anamorph.methods import Specification
 from anamorph.methods.averaging import MAXIMUM_SAMPLES
 from anamorph.scene.camera import Camera
@@ -88,15 +88,6 @@ def state_of(opened: Opened) -> State:
         point=_point(table),
         views=views_of(table),
     )
-
-
-def views_of(table: Table | None) -> tuple[Camera, ...]:
-    """The remembered views that a [view] table keeps; none where there is no table."""
-    views = []
-    for number, each in enumerate([] if table is None else table.tables("views"), start=1):
-        views.append(camera_of(each))
-        check_camera(views[-1], f"{each.path}: number {number} of views")
-    return tuple(views)
 
 
 def values_of(edits: Mapping[str, Edit]) -> dict[str, float]:

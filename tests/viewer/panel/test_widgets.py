@@ -57,8 +57,8 @@ SEEN = Inspection(
 
 SHOWN = Reflections(
     (1.0, -2.0, 3.0), (0.0, 1.0, 0.0), ReflectionStatus.MANY,
-    (Reflection("mirror", (0.0, 0.0, 0.0), (412.34, -20.75), 4.5, 1, False),
-     Reflection("other", (0.0, 0.0, 1.0), None, 5.25, -1, True)),
+    (Reflection("mirror", ((0.0, 0.0, 0.0),), (412.34, -20.75), 4.5, 1, False),
+     Reflection("other", ((0.0, 0.0, 1.0),), None, 5.25, -1, True)),
 )  # fmt: skip
 
 

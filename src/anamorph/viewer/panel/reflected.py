@@ -16,14 +16,14 @@ ORDERS = {1: "right way round", -1: "mirrored", 0: "focus"}
 
 KNOWN = {
     ReflectionStatus.FOUND: "All are found.",
-    ReflectionStatus.FOCUS: "A focus: one stands for all of its mirror.",
-    ReflectionStatus.ON_MIRROR: "It is on a mirror, which is left out.",
+    ReflectionStatus.FOCUS: "A focus: one stands for all of its mirror or lens.",
+    ReflectionStatus.ON_SURFACE: "It is on a mirror or a lens, which is left out.",
     ReflectionStatus.MANY: "There may be more.",
 }
 
 
 def reflections_table(facts: Facts) -> None:
-    """Where mirrors show the point, a reflection point after the other."""
+    """Where mirrors and lenses show the point, one place after the other."""
     caption("Reflection points")
     reflections = facts.reflections
     if reflections is None:

@@ -19,8 +19,7 @@ def triangulated(corners: np.ndarray, counts: np.ndarray, where: str) -> tuple[n
     """Part polygons into triangles that cover them once.
 
     Where the triangles from the first corner to all edges do so, they are taken. Else ears are cut off the polygon
-    as seen along its normal (the mean over its area), with mapbox_earcut. A corner that this passes over, since it lies
-    on an edge there, gets a triangle with that edge, so that what is bent keeps its outline.
+    as seen along its normal (the mean over its area), with mapbox_earcut, which passes over spikes and repeated corners.
 
     Parameters
     ----------
@@ -86,28 +85,10 @@ def _cut(corners: np.ndarray, normal: np.ndarray) -> tuple[np.ndarray, bool]:
         return fan, True
     area = np.abs(_area(flat[None])).sum()
     crosses = abs(np.abs(_area(flat[cut])).sum() - area) > CROSSING * area
-    return np.concatenate([cut, _passed_over(cut, flat, CROSSING * area)]), bool(crosses)
+    return cut, bool(crosses)
 
 
 def _area(polygons: np.ndarray) -> np.ndarray:
     """Twice the areas of polygons (P, N, 2): what is wound clockwise is negative."""
     following = np.roll(polygons, -1, axis=1)
     return (polygons[..., 0] * following[..., 1] - polygons[..., 1] * following[..., 0]).sum(axis=1)
-
-
-def _passed_over(cut: np.ndarray, flat: np.ndarray, most: float) -> np.ndarray:
-    """Triangles between edges of those that were cut and the corners on them; none of more than the area `most`.
-
-    A spike that leads out and back again lies on no edge, and is left out.
-    """
-    count, kept = len(flat), np.unique(cut)
-    following = np.append(kept[1:], kept[0] + count)
-    found = [np.zeros((0, 3), np.int64)]
-    for edge in np.flatnonzero(following - kept > 1):
-        run = np.arange(kept[edge], following[edge] + 1) % count
-        for ends in (run, np.roll(run, 1)):
-            fan = np.stack(np.broadcast_arrays(ends[0], ends[1:-1], ends[2:]), axis=1)
-            if np.abs(_area(flat[fan])).max() <= most:
-                found.append(fan)
-                break
-    return np.concatenate(found)

@@ -19,7 +19,7 @@ def triangulated(corners: np.ndarray, counts: np.ndarray, where: str) -> tuple[n
     """Part polygons into triangles that cover them once.
 
     Where the triangles from the first corner to all edges do so, they are taken. Else ears are cut off the polygon
-    as seen along its normal (the mean over its area), with mapbox_earcut, which passes over spikes and repeated corners.
+    as seen along its normal (the mean over its area), by mapbox_earcut; spikes and repeated corners go.
 
     Parameters
     ----------

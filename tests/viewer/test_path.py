@@ -22,6 +22,7 @@ from anamorph.base.srgb import encode_srgb
 from anamorph.cli.commands import main
 from anamorph.cli.turntable import save_turntable
 from anamorph.files.opening import open_scene
+from anamorph.files.source import Source
 from anamorph.files.view_file import views_of
 from anamorph.frame import Frame, View
 from anamorph.methods import Specification
@@ -384,4 +385,4 @@ def test_a_path_that_cannot_be_followed_is_refused_in_one_line(
 
 def test_a_path_in_python_has_no_swing(tmp_path: Path) -> None:
     with pytest.raises(AnamorphError, match=r"^swing is 5, and a path has none"):
-        save_turntable("flat-mirror", tmp_path / "a", swing=5.0, path=True)
+        save_turntable(Source("flat-mirror"), tmp_path / "a", swing=5.0, path=True)

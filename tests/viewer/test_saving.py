@@ -17,6 +17,7 @@ from anamorph.base.errors import AnamorphError
 from anamorph.base.srgb import encode_srgb
 from anamorph.cli.turntable import save_turntable
 from anamorph.files.opening import open_scene
+from anamorph.files.source import Source
 from anamorph.measure.compare import Comparison, compare, comparison_steps
 from anamorph.methods import Specification
 from anamorph.rendering import render
@@ -184,11 +185,16 @@ def test_what_is_wrong_with_a_turntable_is_said_before_the_first_step(tmp_path):
 
 def test_the_command_saves_an_animation(tmp_path):
     said = save_turntable(
-        "flat-mirror", tmp_path / "a.webp", method=Specification.parse("environment"), size=SIZE, frames=4, rate=10.0
+        Source("flat-mirror"),
+        tmp_path / "a.webp",
+        method=Specification.parse("environment"),
+        size=SIZE,
+        frames=4,
+        rate=10.0,
     )
     assert said == "saved a.webp"
     with Image.open(tmp_path / "a.webp") as image:
         image.load()
         assert (image.n_frames, image.size, image.info["duration"]) == (4, SIZE, 100)
     with pytest.raises(AnamorphError, match="end the name in"):
-        save_turntable("flat-mirror", tmp_path / "a.avi")
+        save_turntable(Source("flat-mirror"), tmp_path / "a.avi")

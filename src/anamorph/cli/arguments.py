@@ -12,7 +12,7 @@ from anamorph.base.errors import AnamorphError
 from anamorph.base.output import IMAGES, PIXELS
 from anamorph.base.versions import versions
 from anamorph.base.video import MOST_FRAMES, VIDEOS
-from anamorph.files.source_words import Parser, add_cad_options
+from anamorph.files.source_words import Parser, add_model_options
 
 if TYPE_CHECKING:
     from anamorph.methods.specification import Specification
@@ -247,7 +247,7 @@ def make_parser() -> argparse.ArgumentParser:
         again.add_argument("--part", metavar="PART", action="append", help=f"{parts}; may be repeated (all)")
 
     for added in (render, compare, view, turntable, export, reflections):
-        add_cad_options(added)
+        add_model_options(added)
     command("scenes", "list the built-in scenes")
     command("info", "print the graphics adapter, the versions, the methods, and what auto chooses by")
     demo = command("demo", "render car-mirror by three methods, with a page that compares them")

@@ -19,7 +19,7 @@ from anamorph.base.output import IMAGES, check_directory, check_output, save_arr
 from anamorph.base.progress import progress_bar
 from anamorph.base.versions import versions
 from anamorph.cli.arguments import make_parser
-from anamorph.files.source_words import face_choice
+from anamorph.files.source_words import source_of
 
 if TYPE_CHECKING:
     from anamorph.methods import Specification
@@ -77,7 +77,7 @@ def _render(arguments: argparse.Namespace) -> None:
     for path in files.values():
         check_output(path, (".npy",))
     _check_distinct(arguments.output, *files.values())
-    from anamorph.files.opening import open_scene
+    from anamorph.files.opening import open_source
     from anamorph.frame import View
     from anamorph.measure.status import gaps, status_shares
     from anamorph.methods import Specification
@@ -85,7 +85,7 @@ def _render(arguments: argparse.Namespace) -> None:
 
     what = f"rendering {arguments.scene}"
     with progress_bar(what) as report:
-        scene, settings = open_scene(arguments.scene, face_choice(arguments), arguments.mirror_of)
+        scene, settings = open_source(source_of(arguments))
         size = arguments.size or settings.size
         view = View(scene, scene.camera, size, samples=arguments.samples)
         specification = arguments.method or Specification.parse(settings.method)
@@ -121,14 +121,14 @@ def _compare(arguments: argparse.Namespace) -> None:
     for path in outputs:
         check_output(path)
     _check_distinct(*outputs)
-    from anamorph.files.opening import open_scene
+    from anamorph.files.opening import open_source
     from anamorph.measure.compare import compare
     from anamorph.measure.page import comparison_page
     from anamorph.measure.table import comparison_table, print_table
     from anamorph.methods import METHODS, Specification
 
     with progress_bar(f"opening {arguments.scene}") as report:
-        scene, settings = open_scene(arguments.scene, face_choice(arguments), arguments.mirror_of)
+        scene, settings = open_source(source_of(arguments))
         size = arguments.size or settings.size
         able = [name for name, method in METHODS.items() if method.refracts or not scene.refracts]
         methods = arguments.method or [Specification.parse(name) for name in able]
@@ -146,13 +146,11 @@ def _compare(arguments: argparse.Namespace) -> None:
 
 
 def _view(arguments: argparse.Namespace) -> None:
-    from anamorph.files.source import Source
     from anamorph.viewer.backends.choice import show
     from anamorph.viewer.starting import start_of
 
     with progress_bar(f"opening {arguments.scene}"):
-        source = Source(arguments.scene, face_choice(arguments), arguments.mirror_of)
-        start = start_of(source, arguments.method)
+        start = start_of(source_of(arguments), arguments.method)
     show_errors_of_libraries("uvicorn")
     show(start, arguments.backend, arguments.port, arguments.size)
 
@@ -161,7 +159,7 @@ def _turntable(arguments: argparse.Namespace) -> None:
     from anamorph.cli.turntable import save_turntable
 
     summary = save_turntable(
-        arguments.scene,
+        source_of(arguments),
         arguments.output,
         arguments.method,
         arguments.size,
@@ -169,19 +167,17 @@ def _turntable(arguments: argparse.Namespace) -> None:
         arguments.swing,
         arguments.path,
         arguments.samples,
-        choice=face_choice(arguments),
-        mirror_of=arguments.mirror_of,
     )
     print(summary)
 
 
 def _export(arguments: argparse.Namespace) -> None:
     from anamorph.files.gltf.exporting import SUFFIXES, save_gltf
-    from anamorph.files.opening import open_scene
+    from anamorph.files.opening import open_source
 
     check_output(arguments.output, SUFFIXES)
     with progress_bar(f"opening {arguments.scene}"):
-        scene, _ = open_scene(arguments.scene, face_choice(arguments), arguments.mirror_of)
+        scene, _ = open_source(source_of(arguments))
     save_gltf(arguments.output, scene)
     print(f"{len(scene.meshes)} parts, as triangles; sky and ambient light have no place in glTF")
 
@@ -192,13 +188,11 @@ def _reflections(arguments: argparse.Namespace) -> None:
     from anamorph.measure.table import print_table
 
     table = point_table(
-        arguments.scene,
+        source_of(arguments),
         tuple_of(arguments.point),
         arguments.output,
         arguments.method,
         arguments.size,
-        choice=face_choice(arguments),
-        mirror_of=arguments.mirror_of,
     )
     print_table(table)
 

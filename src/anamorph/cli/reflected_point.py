@@ -9,8 +9,8 @@ from rich.table import Table
 from anamorph.base.output import PIXELS, check_output, pixel_bytes, whole_file
 from anamorph.base.progress import progress_bar
 from anamorph.base.vectors import Vector
-from anamorph.files.opening import open_scene
-from anamorph.files.source import FaceChoice
+from anamorph.files.opening import open_source
+from anamorph.files.source import Source
 from anamorph.frame import View
 from anamorph.measure.table import headed
 from anamorph.methods import Specification
@@ -23,22 +23,20 @@ from anamorph.viewer.point_search import reflections_of
 
 
 def point_table(
-    source: str,
+    source: Source,
     point: Vector,
     output: Path | None = None,
     method: Specification | None = None,
     size: tuple[int, int] | None = None,
-    choice: FaceChoice | None = None,
-    mirror_of: str | None = None,
 ) -> Table:
     """A table of the reflection points of a point; they are also marked in an image, where there is an `output`.
 
-    Other parameters as for `reflections_of`, `draw_frame` and `open_scene`.
+    Other parameters as for `reflections_of`, `draw_frame` and `open_source`.
     """
     if output is not None:
         check_output(output, PIXELS)
-    with progress_bar(f"opening {source}") as report:
-        scene, settings = open_scene(source, choice, mirror_of)
+    with progress_bar(f"opening {source.name}") as report:
+        scene, settings = open_source(source)
         size = size or settings.size
         report(0, 2, "searching")
         reflections = reflections_of(scene, scene.camera, size, point)

@@ -6,12 +6,13 @@
 | `opening` | whatever names a scene, as a scene |
 | `model_scene`, `own_mirror` | a scene around a model; a CAD mirror in place of a scene's own |
 | `scene_file`, `part_tables` | the tables of a scene file, as a scene |
-| `models` | glTF, OBJ, STL, PLY, STEP and IGES as meshes |
+| `models` | models of every kind as meshes in the world |
 | `gltf` | glTF, in and out |
-| `materials`, `model_shape`, `normals` | what a model's parts look like, as its file has them, and normals it lacks |
+| `obj`, `mtl`, `ply`, `ply_elements`, `stl` | OBJ, PLY and STL files as shapes |
+| `polygons`, `units_and_axes` | polygons as triangles; the unit and axes of a file |
+| `materials`, `model_shape`, `normals` | colours without a rule, what a file holds, and normals that it lacks |
 | `cad`, `trimming`, `opencascade` | faces of CAD files, their triangles, and the process that reads them |
 | `source_words`, `source` | the words that name a scene, and what they mean |
 | `tables`, `key_lines`, `toml` | TOML in, with the lines of mistakes, and out |
-| `sky_image` | images of the sky, with light beyond white |
 | `reading` | bytes, text and textures from files |
 """

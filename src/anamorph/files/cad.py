@@ -62,14 +62,14 @@ class CadFace:
         """Triangles on the face; `density` as in `FaceChoice`."""
         parameters, faces = tessellate(self.surface, self.curves, density)
         exact = self.surface.position(parameters)
-        faces = faces[has_area(exact.astype(np.float32), faces)]
+        faces = faces[has_area(exact, faces)]
         if not len(faces):
             raise AnamorphError(f"face {self.number} ('{self.name}'): has no area; choose others by their numbers")
         used, rows = np.unique(faces, return_inverse=True)
         faces = rows.reshape(-1, 3).astype(np.int32)
         return Mesh(
             name=self.name,
-            positions=exact[used].astype(np.float32),
+            positions=exact[used],
             faces=faces if self.surface.sign > 0 else np.ascontiguousarray(faces[:, ::-1]),
             normals=self.surface.normal(parameters[used]).astype(np.float32),
             material=material or Diffuse(),

@@ -1,4 +1,7 @@
-"""A model without a scene: stood on a chequered ground before a convex mirror, seen by an eye beside it."""
+"""A model without a scene: stood on a chequered ground before a convex mirror, seen by an eye beside it.
+
+One that has mirrors or glass of its own needs neither: an eye looks at it.
+"""
 
 from __future__ import annotations
 
@@ -10,6 +13,7 @@ from anamorph.gallery.solids import lattice
 from anamorph.scene.camera import Camera
 from anamorph.scene.model import Diffuse, Mesh, Mirror, Scene, Texture
 from anamorph.scene.pose import WORLD_UP, upright_axes
+from anamorph.scene.triangles import doubled_areas
 from anamorph.surfaces.sphere import Sphere
 
 # All lengths are in units of the radius of the model's bounding sphere, so that any unit of length will do.
@@ -23,6 +27,9 @@ MIRROR_AZIMUTH = 30.0
 EYE_AZIMUTH = 34.0
 GROUND_HALF_SIZE = 30.0
 SQUARE = 0.5
+FIELD_OF_VIEW = 40.0
+MARGIN = 1.1
+ASIDE = 25.0
 
 
 def stand_before_mirror(meshes: tuple[Mesh, ...], name: str) -> Scene:
@@ -33,13 +40,7 @@ def stand_before_mirror(meshes: tuple[Mesh, ...], name: str) -> Scene:
     here, so that the model's bounding sphere fills 70 percent of the mirror's height, and most models half of it.
     The mirror faces half-way between eye and model, which puts the model's middle into the mirror's.
     """
-    points = np.concatenate([mesh.positions for mesh in meshes]).astype(float)
-    low, high = points.min(axis=0), points.max(axis=0)
-    middle = (low + high) / 2.0
-    unit = float(np.linalg.norm(points - middle, axis=1).max())
-    if not (np.isfinite(unit) and unit > 0):
-        raise AnamorphError(f"{name}: has no extent; give a model that is more than a point")
-
+    middle, unit, low = _extent(meshes, name)
     height = max(middle[1] + 0.15 * unit, low[1] + 1.1 * MIRROR_HALF_SIZE[1] * unit)
     center = middle + MODEL_DISTANCE * unit * _level(MIRROR_AZIMUTH)
     center[1] = height
@@ -54,6 +55,37 @@ def stand_before_mirror(meshes: tuple[Mesh, ...], name: str) -> Scene:
         meshes=(*_mirror(center, outward, unit), ground, *meshes),
         camera=Camera(_tuple(eye), _tuple(target), field_of_view=24.0),
     )
+
+
+def seen_as_itself(meshes: tuple[Mesh, ...], name: str) -> Scene:
+    """The model and nothing else, all of it in the image, from the side to which most of its mirrors and lenses face.
+
+    Where they face all ways, or straight up or down, it is the side of +z. The eye stands a little to the right of
+    that, and above: a flat mirror seen squarely would show no more than what is behind the eye.
+    """
+    middle, unit, _ = _extent(meshes, name)
+    facing = sum((_facing(mesh) for mesh in meshes if mesh.specular), start=np.zeros(3))
+    azimuth = np.degrees(np.arctan2(facing[0], facing[2])) if np.hypot(facing[0], facing[2]) > 0.1 else 0.0
+    away = _unit(_level(azimuth + ASIDE) + np.array([0.0, np.sin(np.radians(ASIDE)), 0.0]))
+    eye = middle + MARGIN * unit / np.sin(np.radians(FIELD_OF_VIEW / 2.0)) * away
+    return Scene(name, meshes, Camera(_tuple(eye), _tuple(middle), field_of_view=FIELD_OF_VIEW))
+
+
+def _facing(mesh: Mesh) -> np.ndarray:
+    """The way that a mesh faces, (3,): a unit vector for a flat one, 0 for a closed one."""
+    areas = doubled_areas(mesh.positions, mesh.faces)
+    return areas.sum(axis=0) / np.linalg.norm(areas, axis=1).sum()
+
+
+def _extent(meshes: tuple[Mesh, ...], name: str) -> tuple[np.ndarray, float, np.ndarray]:
+    """The middle of a model's box, the greatest distance from it, and the box's lowest corner."""
+    points = np.concatenate([mesh.positions for mesh in meshes]).astype(float)
+    low, high = points.min(axis=0), points.max(axis=0)
+    middle = (low + high) / 2.0
+    unit = float(np.linalg.norm(points - middle, axis=1).max())
+    if not (np.isfinite(unit) and unit > 0):
+        raise AnamorphError(f"{name}: has no extent; give a model that is more than a point")
+    return middle, unit, low
 
 
 def _level(azimuth: float) -> np.ndarray:

@@ -1,44 +1,39 @@
-"""Model files as meshes: OBJ, STL and PLY through trimesh, glTF and GLB through `files/gltf`, STEP and IGES through
-`files/cad.py`.
+"""Model files as meshes: the shapes that each kind's reader finds, brought into the world.
 
-Lengths are taken as they are (glTF's are metres) unless a scale is given. Axes too: y should be up.
+Lengths are metres and y is up, as in glTF, unless units, axes or a scale are given.
 """
 
 from __future__ import annotations
 
-import io
-import logging
-import re
-import warnings
-from collections.abc import Iterable, Iterator
-from contextlib import contextmanager
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
 
 import numpy as np
-import trimesh
 
 from anamorph.base.errors import AnamorphError, nearest
 from anamorph.files import cad
 from anamorph.files.gltf.gltf_shapes import gltf_shapes
-from anamorph.files.materials import appearance
 from anamorph.files.model_shape import ModelShape, cofactors
 from anamorph.files.normals import creased, repaired, with_winding
-from anamorph.files.reading import Folder, as_utf8, read
+from anamorph.files.obj import obj_shapes
+from anamorph.files.ply import ply_shapes
+from anamorph.files.reading import read
 from anamorph.files.source import FaceChoice
+from anamorph.files.stl import stl_shapes
+from anamorph.files.units_and_axes import metres_in, turn_of
 from anamorph.scene.checks import check_triangles
-from anamorph.scene.model import Mesh, Texture
+from anamorph.scene.model import Mesh
 from anamorph.scene.triangles import has_area
 from anamorph.surfaces.similarity import Similarity
-
-UNNAMED = re.compile(r"^geometry(_\d+)?$")
-"""What trimesh calls a mesh that has no name."""
 
 FAR = 1e-3
 """A model smaller than this share of its coordinates is far from the origin."""
 
-SUFFIXES = (".glb", ".gltf", ".obj", ".stl", ".ply", *cad.SUFFIXES)
+READERS = {".glb": gltf_shapes, ".gltf": gltf_shapes, ".obj": obj_shapes, ".stl": stl_shapes, ".ply": ply_shapes}
+"""What reads the bytes of a file, by how its name ends."""
+
+SUFFIXES = (*READERS, *cad.SUFFIXES)
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,7 +44,9 @@ class Part:
     material: str = ""
 
 
-def load_model(path: str | Path, scale: float = 1.0, choice: FaceChoice | None = None) -> tuple[Mesh, ...]:
+def load_model(
+    path: str | Path, scale: float = 1.0, choice: FaceChoice | None = None, units: str = "", axes: str = ""
+) -> tuple[Mesh, ...]:
     """The meshes of a model file, in world coordinates.
 
     Parameters
@@ -60,12 +57,21 @@ def load_model(path: str | Path, scale: float = 1.0, choice: FaceChoice | None =
         Metres in one unit of the file: 0.001 for millimetres. CAD files name their unit, and need none.
     choice : FaceChoice, optional
         Which faces of a CAD file, and how fine.
+    units : str
+        The file's unit, as "mm" or "in", times `scale`. CAD files name theirs.
+    axes : str
+        Which way the file's axes point, as "z up" or "x back, z up"; where "", y is up and z points back.
     """
-    return tuple(part.mesh for part in load_parts(path, scale, choice))
+    return tuple(part.mesh for part in load_parts(path, scale, choice, units, axes))
 
 
 def load_parts(
-    path: str | Path, scale: float = 1.0, choice: FaceChoice | None = None, near: bool = False
+    path: str | Path,
+    scale: float = 1.0,
+    choice: FaceChoice | None = None,
+    units: str = "",
+    axes: str = "",
+    near: bool = False,
 ) -> tuple[Part, ...]:
     """Like `load_model`, with the materials' names.
 
@@ -79,20 +85,31 @@ def load_parts(
         raise AnamorphError(f"{path}: is no known model; give one that ends in {', '.join(SUFFIXES)}{hint}")
     if not (np.isfinite(scale) and scale > 0):
         raise AnamorphError(f"{path}: scale is {scale}; give a positive number of metres for one unit")
+    if units and suffix in cad.SUFFIXES:
+        raise AnamorphError(f"{path}: names its unit itself; leave units out, or give a scale")
+    try:
+        by = Similarity(scale * metres_in(units), turn_of(axes), np.zeros(3))
+    except AnamorphError as error:
+        raise AnamorphError(f"{path}: {error}") from None
     if suffix in cad.SUFFIXES:
-        by = Similarity(scale, np.eye(3), np.zeros(3))
         return uniquely_named(Part(mesh.moved(by)) for mesh in cad.load_cad(path, choice))
     if choice is not None:
         raise AnamorphError(f"{path}: faces and density are for CAD files ({', '.join(cad.SUFFIXES)}); leave them out")
-    data = read(path, "model file")
-    shapes = gltf_shapes(data, path) if suffix in (".glb", ".gltf") else _shapes(_in_utf8(data, suffix), path)
-    placed = [replace(shape, matrix=scale * shape.matrix) for shape in shapes]
-    away = trimesh.transformations.translation_matrix(-_far_middle(placed) if near else np.zeros(3))
-    parts = [_part(path, replace(shape, matrix=away @ shape.matrix)) for shape in placed]
+    shapes = READERS[suffix](read(path, "model file"), path)
+    placed = [replace(shape, matrix=_after(shape.matrix, by)) for shape in shapes]
+    away = Similarity.shift(-_far_middle(placed) if near else np.zeros(3))
+    parts = [_part(path, replace(shape, matrix=_after(shape.matrix, away))) for shape in placed]
     kept = [part for part in parts if part is not None]
     if not kept:
         raise AnamorphError(f"{path}: has no triangles with an area; give a model with faces, not points or lines")
     return uniquely_named(kept)
+
+
+def _after(matrix: np.ndarray, by: Similarity) -> np.ndarray:
+    """A transform (4, 4) with a motion after it."""
+    return np.vstack(
+        [np.column_stack([by.vectors(matrix[:3, :3].T).T, by.points(matrix[:3, 3])]), [0.0, 0.0, 0.0, 1.0]]
+    )
 
 
 def _far_middle(shapes: list[ModelShape]) -> np.ndarray:
@@ -103,76 +120,6 @@ def _far_middle(shapes: list[ModelShape]) -> np.ndarray:
         low, high = ends.min(axis=0, initial=np.inf), ends.max(axis=0, initial=-np.inf)
         far = np.isfinite(low + high).all() and np.max(high - low) < FAR * np.max(np.abs([low, high]))
     return (low + high) / 2.0 if far else np.zeros(3)
-
-
-def _in_utf8(data: bytes, suffix: str) -> bytes:
-    """A model whose text, of whatever encoding, is in UTF-8, the only one that trimesh reads."""
-    if suffix == ".ply":
-        header, end, body = data.partition(b"end_header")
-        return as_utf8(header) + end + body
-    # The length of a binary STL file follows from its count, and a text one may start with the same word "solid".
-    text = suffix == ".obj" or (suffix == ".stl" and len(data) != 84 + 50 * int.from_bytes(data[80:84], "little"))
-    return as_utf8(data) if text else data
-
-
-@contextmanager
-def _quiet() -> Iterator[None]:
-    """Keep what trimesh logs, and numpy warns of on its behalf, off the terminal: the checks after it say more."""
-    logger = logging.getLogger("trimesh")
-    before = logger.level
-    logger.setLevel(logging.CRITICAL + 1)
-    try:
-        with warnings.catch_warnings(), np.errstate(all="ignore"):
-            warnings.simplefilter("ignore")
-            yield
-    finally:
-        logger.setLevel(before)
-
-
-def _parse(data: bytes, path: Path) -> trimesh.Scene:
-    folder = Folder(path)
-    kind = path.suffix.lower()[1:]
-    options: dict[str, Any] = {"split_objects": True} if kind == "obj" else {}
-    damage = None
-    scene = trimesh.Scene()
-    try:
-        with _quiet():
-            scene = trimesh.load_scene(io.BytesIO(data), file_type=kind, resolver=folder, process=False, **options)
-    # Damage of every kind surfaces in the parser as an error of some kind.
-    except Exception as error:
-        said = (str(error).splitlines() or [""])[0][:120] or type(error).__name__
-        damage = AnamorphError(f"{path}: is damaged or no {kind.upper()} file ({said}); export it again")
-    if complaint := folder.complaint or damage:
-        raise complaint
-    return scene
-
-
-def _shapes(data: bytes, path: Path) -> list[ModelShape]:
-    """The shapes of a file that trimesh reads, in an order that is always the same."""
-    scene, textures = _parse(data, path), dict[int, Texture]()
-    order = {name: number for number, name in enumerate(scene.geometry)}
-    with _quiet():
-        placed = [scene.graph[node] for node in scene.graph.nodes_geometry]
-    return [
-        _shape(path, UNNAMED.sub(path.stem, name), scene.geometry[name], np.asarray(matrix, float), textures)
-        for matrix, name in sorted(placed, key=lambda entry: -order[entry[1]])
-        if isinstance(scene.geometry[name], trimesh.Trimesh) and len(scene.geometry[name].faces)
-    ]
-
-
-def _shape(path: Path, name: str, geometry: Any, matrix: np.ndarray, textures: dict[int, Texture]) -> ModelShape:
-    where = f"{path}: part '{name}'"
-    positions, faces = np.asarray(geometry.vertices, float), np.asarray(geometry.faces, np.int64).reshape(-1, 3)
-    check_triangles(where, positions, faces)
-    # Whether the file itself brought normals shows only in trimesh's cache: asking for them computes them.
-    cache = geometry._cache
-    normals = np.asarray(cache["vertex_normals"], float) if "vertex_normals" in cache else None
-    material, material_name, texcoords, colors = appearance(where, geometry, textures)
-    if geometry.visual.kind == "face":
-        # One colour a face: each face gets vertices of its own, and `appearance` has given each of them its colour.
-        positions, normals = positions[faces].reshape(-1, 3), None if normals is None else normals[faces].reshape(-1, 3)
-        faces = np.arange(len(positions)).reshape(-1, 3)
-    return ModelShape(name, positions, faces, normals, matrix, material, material_name, texcoords, colors)
 
 
 def _part(path: Path, shape: ModelShape) -> Part | None:

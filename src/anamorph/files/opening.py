@@ -5,14 +5,15 @@ A scene file may start from anything that can be opened: that is opened first, t
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 from anamorph import gallery
 from anamorph.base.errors import AnamorphError, nearest
 from anamorph.files import cad
 from anamorph.files.cad import chosen_faces
-from anamorph.files.model_scene import stand_before_mirror
-from anamorph.files.models import SUFFIXES, load_parts
+from anamorph.files.model_scene import seen_as_itself, stand_before_mirror
+from anamorph.files.models import SUFFIXES, Part, load_parts, uniquely_named
 from anamorph.files.own_mirror import replace_mirror
 from anamorph.files.scene_file import Settings, scene_from, start_of
 from anamorph.files.source import FaceChoice, Source
@@ -22,20 +23,32 @@ from anamorph.scene.model import Scene
 
 
 def open_scene(
-    source: str | Path, choice: FaceChoice | None = None, mirror_of: str | Path | None = None
+    source: str | Path,
+    choice: FaceChoice | None = None,
+    mirror_of: str | Path | None = None,
+    units: str = "",
+    axes: str = "",
 ) -> tuple[Scene, Settings]:
     """The scene, checked, and how it wants to be drawn.
 
     Parameters
     ----------
     source : str or Path
-        The name of a built-in scene, a .toml scene file, or a model file, which is stood before a convex mirror.
+        The name of a built-in scene, a .toml scene file, or a model file. A model without mirrors and glass
+        is stood before a convex mirror.
     choice : FaceChoice, optional
         Which faces of a CAD file, and how fine.
     mirror_of : str or Path, optional
         A scene whose mirror the CAD file `source` replaces.
+    units, axes : str
+        Of a model file, as for `load_model`.
     """
-    return _opened(Source(source, choice, mirror_of), ())
+    return open_source(Source(source, choice, mirror_of, units, axes))
+
+
+def open_source(source: Source) -> tuple[Scene, Settings]:
+    """The same of what names a scene."""
+    return _opened(source, ())
 
 
 def scene_in(top: Table, above: tuple[Path, ...] = ()) -> tuple[Scene, Settings]:
@@ -61,6 +74,8 @@ def _opened(source: Source, above: tuple[Path, ...]) -> tuple[Scene, Settings]:
             f"{name}: --scene, --faces, --density and --flip are for CAD files ({', '.join(cad.SUFFIXES)}); "
             "leave them out"
         )
+    if (source.units or source.axes) and (source.mirror_of or suffix not in SUFFIXES):
+        raise AnamorphError(f"{name}: --units and --axes are for a model ({', '.join(SUFFIXES)}); leave them out")
     if source.mirror_of:
         scene, settings = _opened(Source(source.mirror_of), above)
         choice = choice or FaceChoice()
@@ -70,8 +85,11 @@ def _opened(source: Source, above: tuple[Path, ...]) -> tuple[Scene, Settings]:
     if suffix == ".toml":
         return scene_in(read_tables(path), above)
     if suffix in SUFFIXES:
-        meshes = tuple(part.mesh for part in load_parts(path, choice=choice, near=True))
-        return check_scene(stand_before_mirror(meshes, path.stem)), Settings()
+        meshes = tuple(part.mesh for part in load_parts(path, 1.0, choice, source.units, source.axes, near=True))
+        own = any(mesh.specular for mesh in meshes)
+        scene = seen_as_itself(meshes, path.stem) if own else stand_before_mirror(meshes, path.stem)
+        named = uniquely_named(map(Part, scene.meshes))
+        return check_scene(replace(scene, meshes=tuple(part.mesh for part in named))), Settings()
     if path.is_file():
         raise AnamorphError(
             f"{name}: is no scene file and no known model; give one that ends in .toml, {', '.join(SUFFIXES)}"

@@ -14,10 +14,12 @@ from anamorph.files.models import Part, load_parts
 from anamorph.files.reading import read_texture
 from anamorph.files.source import FaceChoice
 from anamorph.files.tables import Table
+from anamorph.files.units_and_axes import metres_in, turn_of
 from anamorph.scene.model import Diffuse, Glass, Material, Mesh, Mirror
 from anamorph.scene.parts import part_names
 from anamorph.surfaces.similarity import Similarity, rotation
 
+UNITS_AND_AXES = ("units", "axes")
 TRANSFORM = ("scale", "rotate", "translate")
 EDIT = tuple(field.name for field in fields(Edit))
 CHOICE = ("faces", "density", "flip")
@@ -25,13 +27,25 @@ CHOICE = ("faces", "density", "flip")
 
 def model_parts(table: Table) -> list[Part]:
     """What a [[model]] brings."""
-    table.only("file", *CHOICE, "mirror", "glass", "diffuse", *TRANSFORM)
+    table.only("file", *UNITS_AND_AXES, *CHOICE, "mirror", "glass", "diffuse", *TRANSFORM)
     by, material = _similarity(table), _material(table)
 
     def placed(mesh: Mesh) -> Mesh:
         return replace(mesh.moved(by), material=material or mesh.material)
 
-    return [replace(part, mesh=placed(part.mesh)) for part in load_parts(table.file("file"), choice=choice_of(table))]
+    units, axes = units_and_axes(table)
+    parts = load_parts(table.file("file"), choice=choice_of(table), units=units, axes=axes)
+    return [replace(part, mesh=placed(part.mesh)) for part in parts]
+
+
+def units_and_axes(table: Table) -> tuple[str, str]:
+    """What a table says of the unit and the axes of a model file, each "" where it says nothing."""
+    for key, meaning in (("units", metres_in), ("axes", turn_of)):
+        try:
+            meaning(table.text(key))
+        except AnamorphError as error:
+            table.wrong(key, str(error))
+    return table.text("units"), table.text("axes")
 
 
 def choice_of(table: Table) -> FaceChoice | None:

@@ -8,12 +8,9 @@ from urllib.parse import unquote
 
 import numpy as np
 from PIL import Image
-from trimesh.resolvers import Resolver
 
 from anamorph.base.errors import AnamorphError
 from anamorph.scene.model import Texture
-
-IMAGES = (".png", ".jpg", ".jpeg", ".bmp", ".gif", ".tga", ".tif", ".tiff", ".webp")
 
 
 def read(path: Path, what: str) -> bytes:
@@ -69,47 +66,18 @@ def _opened(data: bytes, name: str) -> Image.Image:
         raise AnamorphError(f"{name}: is not an image that can be read; save it as PNG or JPEG") from None
 
 
-class Folder(Resolver):
-    """What trimesh asks for the files that a model names; keeps the first complaint, which trimesh passes over."""
-
-    def __init__(self, model: Path) -> None:
-        self.model = model
-        self.complaint: AnamorphError | None = None
-
-    def get(self, key: str) -> bytes:
-        """The bytes of a file named in the model, relative to the model's folder."""
-        try:
-            return self._get(key)
-        except AnamorphError as error:
-            self.complaint = self.complaint or error
-            raise FileNotFoundError(key) from None
-
-    def _get(self, key: str) -> bytes:
-        name = _file_name(key)
-        for candidate in (name, unquote(name), Path(name).name):
-            path = self.model.parent / candidate
-            if path.is_file():
-                data = read(path, "file")
-                if path.suffix.lower() in IMAGES:
-                    to_texture(_opened(data, str(path)), str(path))
-                return as_utf8(data) if path.suffix.lower() == ".mtl" else data
-        raise AnamorphError(
-            f"{self.model}: names the file '{name}', which is not there; put it beside the model, or remove the name"
-        )
-
-    def keys(self) -> list[str]:
-        return [path.name for path in self.model.parent.iterdir()]
-
-    def write(self, name: str, data: bytes) -> None:
-        raise PermissionError(name)
-
-    def namespaced(self, namespace: str) -> Folder:
-        return Folder(self.model.parent / namespace / self.model.name)
+def beside(model: Path, name: str) -> Path:
+    """The file that a model names, relative to the model's folder."""
+    name = name.strip().strip('"').replace("\\", "/")
+    for candidate in (name, unquote(name), Path(name).name):
+        path = model.parent / candidate
+        if path.is_file():
+            return path
+    raise AnamorphError(
+        f"{model}: names the file '{name}', which is not there; put it beside the model, or remove the name"
+    )
 
 
-def _file_name(key: str) -> str:
-    """The file in an MTL or glTF reference: without options such as `-s 1 1 1`, with forward slashes."""
-    words = key.strip().strip('"').replace("\\", "/")
-    if words.startswith("-"):
-        words = words.split()[-1]
-    return words
+def texture_beside(model: Path, name: str) -> Texture:
+    """The image file that a model names, as a texture."""
+    return read_texture(beside(model, name))

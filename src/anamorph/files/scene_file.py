@@ -8,8 +8,9 @@ from pathlib import Path
 from anamorph import gallery
 from anamorph.base.errors import AnamorphError
 from anamorph.files.cad import SUFFIXES
+from anamorph.files.models import SUFFIXES as MODELS
 from anamorph.files.models import Part, uniquely_named
-from anamorph.files.part_tables import CHOICE, changed_parts, choice_of, model_parts
+from anamorph.files.part_tables import CHOICE, UNITS_AND_AXES, changed_parts, choice_of, model_parts, units_and_axes
 from anamorph.files.sky_image import read_sky_image
 from anamorph.files.source import Source
 from anamorph.files.tables import Table
@@ -18,7 +19,7 @@ from anamorph.scene.checks import check_scene
 from anamorph.scene.model import DEFAULT_LIGHTS, AmbientLight, DirectionalLight, Light, PointLight, Scene, Sky
 
 LIGHTS = ("directional", "point", "ambient")
-BASE = ("builtin", "base", "mirror_of", *CHOICE)
+BASE = ("builtin", "base", "mirror_of", *CHOICE, *UNITS_AND_AXES)
 
 DEFAULT_SIZE = (1024, 768)
 """Width and height of an image, pixels, unless someone says otherwise."""
@@ -55,10 +56,14 @@ def start_of(top: Table) -> Source | None:
     for key in ("mirror_of", *CHOICE):
         if key in top.values and Path(name or "").suffix.lower() not in SUFFIXES:
             top.wrong(key, f"{key} is for a base that is a CAD file ({', '.join(SUFFIXES)}); leave it out")
+    for key in UNITS_AND_AXES:
+        if key in top.values and Path(name or "").suffix.lower() not in MODELS:
+            top.wrong(key, f"{key} is for a base that is a model ({', '.join(MODELS)}); leave it out")
     if name is None:
         return None
     built_in = top.values.get("mirror_of", "") in ("", *gallery.names())
-    return Source(name, choice_of(top), top.text("mirror_of") or None if built_in else top.file("mirror_of"))
+    mirror_of = top.text("mirror_of") or None if built_in else top.file("mirror_of")
+    return Source(name, choice_of(top), mirror_of, *units_and_axes(top))
 
 
 def scene_from(top: Table, start: Scene | None, settings: Settings) -> tuple[Scene, Settings]:

@@ -32,13 +32,20 @@ class Source:
     Parameters
     ----------
     name : str or Path
-        The name of a built-in scene, a .toml scene file, or a model file, which is stood before a convex mirror.
+        The name of a built-in scene, a .toml scene file, or a model file. A model without mirrors and glass
+        is stood before a convex mirror.
     choice : FaceChoice, optional
         Which faces of a CAD file, and how fine.
     mirror_of : str or Path, optional
         A scene whose mirror the CAD file `name` replaces.
+    units : str
+        The unit of a model file, as "mm"; "" for metres, or for what a CAD file says itself.
+    axes : str
+        Which way the axes of a model file point, as "x back, z up"; "" for y up and z to the back.
     """
 
     name: str | Path
     choice: FaceChoice | None = None
     mirror_of: str | Path | None = None
+    units: str = ""
+    axes: str = ""

@@ -1,4 +1,4 @@
-"""The words that name a scene and its CAD options: on the command line, and typed into the viewer."""
+"""The words that name a scene, and the options of a model: on the command line, and typed into the viewer."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ from typing import NoReturn
 
 from anamorph.base.errors import AnamorphError
 from anamorph.files.source import FaceChoice, Source
+from anamorph.files.units_and_axes import UNITS
 
 
 class Parser(argparse.ArgumentParser):
@@ -17,8 +18,12 @@ class Parser(argparse.ArgumentParser):
         raise AnamorphError(f"{message}; see '{self.prog} --help'")
 
 
-def add_cad_options(parser: argparse.ArgumentParser) -> None:
-    """Let a parser take what there is to say of a CAD file."""
+def add_model_options(parser: argparse.ArgumentParser) -> None:
+    """Let a parser take what there is to say of a model file."""
+    models = parser.add_argument_group("models")
+    models.add_argument("--units", metavar="UNIT", default="", help=f"of its lengths: {', '.join(UNITS)} (m)")
+    axes = "which way its axes point, as 'z up' or 'x back, z up' (y up, z back)"
+    models.add_argument("--axes", metavar="AXES", default="", help=axes)
     group = parser.add_argument_group("CAD files (.step, .stp, .iges, .igs)")
     group.add_argument(
         "--scene", metavar="SCENE", dest="mirror_of", help="put the CAD mirror where this scene has its own"
@@ -28,24 +33,29 @@ def add_cad_options(parser: argparse.ArgumentParser) -> None:
     group.add_argument("--flip", action="store_true", help="the other side of the faces is their outside")
 
 
-def face_choice(arguments: argparse.Namespace) -> FaceChoice | None:
-    """What `add_cad_options` has taken of the faces of a CAD file; None where nothing is said."""
+def source_of(arguments: argparse.Namespace) -> Source:
+    """What the arguments name, with what `add_model_options` has taken."""
+    choice = _face_choice(arguments)
+    return Source(arguments.scene, choice, arguments.mirror_of, arguments.units, arguments.axes)
+
+
+def _face_choice(arguments: argparse.Namespace) -> FaceChoice | None:
+    """What is said of the faces of a CAD file; None where nothing is."""
     said = {"faces": arguments.faces, "density": arguments.density, "flip": arguments.flip or None}
     said = {name: value for name, value in said.items() if value is not None}
     return FaceChoice(**said) if said else None
 
 
 def source_in(words: str) -> Source:
-    """A scene's name and its CAD options in one text, quoted as for a shell: as they stand after `anamorph view`."""
+    """A scene's name and the options of a model in one text, as they stand after `anamorph view`."""
     parser = Parser(prog="anamorph view", add_help=False, allow_abbrev=False)
     parser.add_argument("scene", metavar="SCENE|MODEL")
-    add_cad_options(parser)
+    add_model_options(parser)
     try:
         given = shlex.split(words)
     except ValueError:
         raise AnamorphError(f"{words}: a quotation mark is not closed; close it, or leave it out") from None
-    arguments = parser.parse_args(given)
-    return Source(arguments.scene, face_choice(arguments), arguments.mirror_of)
+    return source_of(parser.parse_args(given))
 
 
 def _faces(text: str) -> tuple[int | str, ...]:

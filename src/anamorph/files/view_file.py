@@ -19,7 +19,7 @@ from anamorph.base.errors import AnamorphError
 from anamorph.base.output import check_output, save_text
 from anamorph.editing.edit import Edit
 from anamorph.files.models import Part
-from anamorph.files.opening import open_scene, scene_in
+from anamorph.files.opening import open_source, scene_in
 from anamorph.files.part_tables import EDIT, edit_of, selected
 from anamorph.files.scene_file import BASE, Settings, camera_of, eye_of, start_of
 from anamorph.files.source import FaceChoice, Source
@@ -57,16 +57,22 @@ class Opened:
     source: Source | None = None
 
 
-def open_view(source: str | Path, choice: FaceChoice | None = None, mirror_of: str | Path | None = None) -> Opened:
+def open_view(
+    source: str | Path,
+    choice: FaceChoice | None = None,
+    mirror_of: str | Path | None = None,
+    units: str = "",
+    axes: str = "",
+) -> Opened:
     """Whatever names a scene, opened with its changes apart from it. Parameters as for `open_scene`."""
-    path = Path(source)
+    path, named = Path(source), Source(source, choice, mirror_of, units, axes)
     in_file = path.suffix.lower() == ".toml" and str(source) not in gallery.names()
-    if in_file and not (choice or mirror_of):
+    if in_file and named == Source(source):
         opened = _opened(read_tables(path))
         if opened is not None:
             return opened
-    scene, settings = open_scene(source, choice, mirror_of)
-    return Opened(scene, settings, scene.camera, {}, Source(source, choice, mirror_of))
+    scene, settings = open_source(named)
+    return Opened(scene, settings, scene.camera, {}, named)
 
 
 def _opened(top: Table) -> Opened | None:
@@ -177,6 +183,7 @@ def _base(source: Source, directory: Path) -> dict[str, Any]:
     if source.choice:
         faces: Sequence[int | str] = source.choice.faces
         values |= {"faces": list(faces), "density": source.choice.density, "flip": source.choice.flip}
+    values |= {key: said for key, said in (("units", source.units), ("axes", source.axes)) if said}
     return values
 
 

@@ -117,5 +117,5 @@ def _open(source: Source | Scene | str | Path) -> Opened:
     if isinstance(source, str) and " --" in source and not Path(source).exists():
         source = source_in(source)
     if isinstance(source, Source):
-        return open_view(source.name, source.choice, source.mirror_of)
+        return open_view(source.name, source.choice, source.mirror_of, source.units, source.axes)
     return open_view(source)

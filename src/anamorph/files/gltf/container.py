@@ -15,7 +15,7 @@ from typing import Any, NoReturn
 from urllib.parse import unquote_to_bytes
 
 from anamorph.base.errors import AnamorphError
-from anamorph.files.reading import Folder
+from anamorph.files.reading import beside, read
 
 UNDERSTOOD = (
     "KHR_materials_",
@@ -35,7 +35,6 @@ class Container:
     path: Path
     header: dict[str, Any]
     chunk: bytes | None
-    folder: Folder
     _buffers: dict[int, bytes] = field(default_factory=dict)
 
     def wrong(self, what: str) -> NoReturn:
@@ -77,11 +76,7 @@ class Container:
                 return base64.b64decode(data, validate=True) if head.endswith(";base64") else unquote_to_bytes(data)
             except (binascii.Error, ValueError):
                 self.wrong(f"{where}: its base64 data is damaged")
-        try:
-            return self.folder.get(uri)
-        except FileNotFoundError:
-            assert self.folder.complaint is not None
-            raise self.folder.complaint from None
+        return read(beside(self.path, uri), "file")
 
     def _buffer(self, number: object) -> bytes:
         entry = self.entry("buffers", number)
@@ -120,7 +115,7 @@ def opened(data: bytes, path: Path) -> Container:
             raise ValueError("another version than 2")
     except (ValueError, struct.error, KeyError, TypeError, RecursionError) as error:
         raise AnamorphError(f"{path}: is damaged or not glTF 2.0 ({error}); export it again") from None
-    container = Container(path, header, chunk, Folder(path))
+    container = Container(path, header, chunk)
     for name in header.get("extensionsRequired", []):
         if not str(name).startswith(UNDERSTOOD):
             remedy = "without compression" if "compression" in str(name) else "without it"

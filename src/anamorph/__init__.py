@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from anamorph.measure.compare import compare as compare
     from anamorph.methods import METHODS as METHODS
     from anamorph.raymesh import RayMesh as RayMesh
-    from anamorph.reflections.hiding import visible as visible
+    from anamorph.reflections.open_paths import visible as visible
     from anamorph.reflections.reflection_points import ReflectionPoints as ReflectionPoints
     from anamorph.reflections.reflection_points import ReflectionStatus as ReflectionStatus
     from anamorph.reflections.reflection_points import reflection_points as reflection_points
@@ -57,7 +57,7 @@ _HOMES = {
     "anamorph.measure.compare": ("compare",),
     "anamorph.methods": ("METHODS",),
     "anamorph.raymesh": ("RayMesh",),
-    "anamorph.reflections.hiding": ("visible",),
+    "anamorph.reflections.open_paths": ("visible",),
     "anamorph.reflections.reflection_points": ("ReflectionPoints", "ReflectionStatus", "reflection_points"),
     "anamorph.reflections.refraction_points": ("RefractionPoints", "refraction_points"),
     "anamorph.rendering": ("render",),

@@ -10,6 +10,7 @@ from pathlib import Path
 
 from anamorph import gallery
 from anamorph.base.errors import AnamorphError, nearest
+from anamorph.base.limits import LONGEST_CHAIN
 from anamorph.files import cad
 from anamorph.files.cad import chosen_faces
 from anamorph.files.model_scene import seen_as_itself, stand_before_mirror
@@ -18,7 +19,7 @@ from anamorph.files.own_mirror import replace_mirror
 from anamorph.files.scene_file import Settings, scene_from, start_of
 from anamorph.files.source import FaceChoice, Source
 from anamorph.files.tables import Table, read_tables
-from anamorph.scene.checks import check_scene
+from anamorph.scene.checks import check_place, check_scene
 from anamorph.scene.model import Scene
 
 
@@ -62,6 +63,8 @@ def scene_in(top: Table, above: tuple[Path, ...] = ()) -> tuple[Scene, Settings]
     for key, named in (("base", start.name), ("mirror_of", start.mirror_of)):
         if isinstance(named, Path) and named.resolve() in above:
             top.wrong(key, f"{key} names '{top.text(key)}', which starts from this file itself; name another")
+        if len(above) >= LONGEST_CHAIN:
+            top.wrong(key, f"{key} is the end of {LONGEST_CHAIN} scene files that start from each other; join some")
     return scene_from(top, *_opened(start, above))
 
 
@@ -86,6 +89,9 @@ def _opened(source: Source, above: tuple[Path, ...]) -> tuple[Scene, Settings]:
         return scene_in(read_tables(path), above)
     if suffix in SUFFIXES:
         meshes = tuple(part.mesh for part in load_parts(path, 1.0, choice, source.units, source.axes, near=True))
+        for mesh in meshes:
+            # The mirror that is stood before it is as large as it is, and would be blamed first.
+            check_place(f"{name}: part '{mesh.name}'", mesh.positions)
         own = any(mesh.specular for mesh in meshes)
         scene = seen_as_itself(meshes, path.stem) if own else stand_before_mirror(meshes, path.stem)
         named = uniquely_named(map(Part, scene.meshes))

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import io
+import os
+import stat
 from pathlib import Path
 from urllib.parse import unquote
 
@@ -10,12 +12,17 @@ import numpy as np
 from PIL import Image
 
 from anamorph.base.errors import AnamorphError
+from anamorph.base.limits import MOST_BYTES, MOST_PIXELS
 from anamorph.scene.model import Texture
 
+FORMATS = ("PNG", "JPEG", "BMP", "GIF", "TGA", "TIFF", "WEBP")
+"""What image files may hold, whatever they are called: of other formats some have Pillow start a program."""
 
-def read(path: Path, what: str) -> bytes:
-    """The bytes of a file, or one line that says why not."""
+
+def read(path: Path, what: str, most: int = MOST_BYTES) -> bytes:
+    """The bytes of a file, or one line that says why not: also where it has more than `most`."""
     try:
+        check_file(path, what, most)
         return path.read_bytes()
     except FileNotFoundError:
         raise AnamorphError(f"{path}: there is no such {what}; check the name and the folder") from None
@@ -23,6 +30,26 @@ def read(path: Path, what: str) -> bytes:
         raise AnamorphError(f"{path}: is a folder; give a {what}") from None
     except OSError as error:
         raise AnamorphError(f"{path}: this {what} cannot be read ({error.strerror}); check its permissions") from None
+
+
+def check_file(path: Path, what: str, most: int = MOST_BYTES) -> None:
+    """Refuse a pipe or a device, which need not end, and a file of more than `most` bytes, before it is read.
+
+    Raises
+    ------
+    OSError
+        There is no such file, or it cannot be looked at.
+    AnamorphError
+    """
+    found = os.stat(path)
+    if stat.S_ISDIR(found.st_mode):
+        raise IsADirectoryError(path)
+    if not stat.S_ISREG(found.st_mode):
+        raise AnamorphError(f"{path}: is a pipe or a device; give a {what}")
+    if found.st_size > most:
+        raise AnamorphError(
+            f"{path}: this {what} has {found.st_size / 2**20:.0f} MiB, more than {most / 2**20:.0f}; make it smaller"
+        )
 
 
 def as_utf8(data: bytes) -> bytes:
@@ -61,9 +88,16 @@ def decoded(data: bytes, name: str) -> Texture:
 
 def _opened(data: bytes, name: str) -> Image.Image:
     try:
-        return Image.open(io.BytesIO(data))
-    except (OSError, ValueError, SyntaxError, Image.DecompressionBombError):
+        image = Image.open(io.BytesIO(data), formats=FORMATS)
+    except Image.DecompressionBombError:
+        raise AnamorphError(f"{name}: this image has too many pixels; make it at most 8192 x 8192") from None
+    except (OSError, ValueError, SyntaxError):
         raise AnamorphError(f"{name}: is not an image that can be read; save it as PNG or JPEG") from None
+    if image.width * image.height > MOST_PIXELS:
+        raise AnamorphError(
+            f"{name}: this image has {image.width} x {image.height} pixels; make it at most 8192 x 8192, or as many"
+        )
+    return image
 
 
 def beside(model: Path, name: str) -> Path:

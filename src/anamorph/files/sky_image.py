@@ -8,12 +8,10 @@ import numpy as np
 
 from anamorph.base.errors import AnamorphError
 from anamorph.base.exr import decode_exr
+from anamorph.base.limits import MOST_PIXELS
 from anamorph.base.radiance import decode_radiance
 from anamorph.files.reading import read, read_texture
 from anamorph.scene.model import LinearImage, Texture
-
-MOST_PIXELS = 2**26
-"""8192 x 8192: with three floats for each, 805 MB."""
 
 LINEAR = {".hdr": decode_radiance, ".exr": decode_exr}
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import tomllib
 from collections.abc import Iterable
 from dataclasses import dataclass
@@ -11,6 +12,7 @@ from typing import Any, NoReturn
 import numpy as np
 
 from anamorph.base.errors import AnamorphError, nearest
+from anamorph.base.limits import LONGEST_KEY, SCENE_BYTES
 from anamorph.files.key_lines import Keys, key_lines
 from anamorph.files.reading import read
 
@@ -151,14 +153,24 @@ def _is_number(value: object) -> bool:
     return isinstance(value, int | float) and not isinstance(value, bool) and -LARGEST <= value <= LARGEST
 
 
+_LONG_KEY = re.compile(r"""(?<![\w.-])(?:(?:[\w-]++|"[^"\n]*+"|'[^'\n]*+')[ \t]*+\.[ \t]*+)""" + f"{{{LONGEST_KEY}}}")
+"""So many names with dots between them; possessive, so that no text takes long to be looked through."""
+
+
 def read_tables(path: Path) -> Table:
     """The top table of a TOML file."""
-    data = read(path, "scene file")
+    data = read(path, "scene file", SCENE_BYTES)
     try:
         text = data.decode("utf-8-sig")
+        if _LONG_KEY.search(text):
+            raise AnamorphError(f"{path}: has a key of more than {LONGEST_KEY} names; write it in tables")
         values = tomllib.loads(text)
     except UnicodeDecodeError:
         raise AnamorphError(f"{path}: is not text in UTF-8; save it as such") from None
-    except (tomllib.TOMLDecodeError, RecursionError) as error:
-        raise AnamorphError(f"{path}: is not TOML: {error}") from None
+    except AnamorphError:
+        raise
+    except (ValueError, RecursionError) as error:
+        # A whole number of thousands of digits is valid, and no Python number.
+        told = "a number has too many digits" if "digits" in str(error) else error
+        raise AnamorphError(f"{path}: is not TOML: {told}") from None
     return Table(path, (), values, key_lines(text))

@@ -9,6 +9,7 @@ from functools import cached_property
 import numpy as np
 
 from anamorph.base.errors import AnamorphError
+from anamorph.base.limits import MOST_PIXELS
 from anamorph.frame import View
 from anamorph.gpu.buffers import SceneBuffers, pack_vertices, upload_scene, upload_vertices
 from anamorph.gpu.device import maximum_size
@@ -45,6 +46,11 @@ class Stage:
         if min(view.size) < 1 or max(view.size) > maximum_size():
             width, height = view.size
             raise AnamorphError(f"size {width}x{height}: give a width and height from 1 to {maximum_size()}")
+        if view.size[0] * view.size[1] > MOST_PIXELS:
+            width, height = view.size
+            raise AnamorphError(
+                f"size {width}x{height}: is more than {MOST_PIXELS / 1e6:.0f} million pixels; give fewer"
+            )
         self.origin = origin_of(view.scene)
         self._moved: tuple[Camera | RayMesh, Camera | RayMesh] | None = None
         scene, camera = moved_scene(view.scene, -self.origin), self.local(view.camera)

@@ -12,5 +12,5 @@
 | `distinct` | searches from all starts and from twins, and keeps each place once |
 | `searching`, `lens_searching` | find all the places of a point on one mirror, or through one lens |
 | `reflection_points`, `refraction_points` | do so for many points and all the mirrors or lenses of a scene |
-| `hiding` | tells which paths nothing hides |
+| `open_paths` | tells which paths nothing hides |
 """

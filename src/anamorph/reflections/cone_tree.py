@@ -54,7 +54,7 @@ class ConeTree(NamedTuple):
     row_of: np.ndarray
 
 
-class LeavingRays(NamedTuple):
+class CornerRays(NamedTuple):
     """The rays of an eye that leave a mirror or a lens, at the corners of the pieces they came by.
 
     Parameters
@@ -70,11 +70,11 @@ class LeavingRays(NamedTuple):
     seen: np.ndarray
 
 
-def reflected(chart: Chart, eye: np.ndarray) -> LeavingRays:
+def reflected(chart: Chart, eye: np.ndarray) -> CornerRays:
     """What a mirror makes of the rays of an eye at (3,)."""
     offsets = chart.positions - eye
     directions = reflect(offsets.reshape(-1, 3), chart.normals.reshape(-1, 3)).reshape(offsets.shape)
-    return LeavingRays(chart.positions, directions, front_seen(chart, offsets))
+    return CornerRays(chart.positions, directions, front_seen(chart, offsets))
 
 
 def front_seen(chart: Chart, offsets: np.ndarray) -> np.ndarray:
@@ -121,7 +121,7 @@ def balls_around(order: np.ndarray, positions: np.ndarray, seen: np.ndarray | No
     return balls
 
 
-def cone_tree(rays: LeavingRays, order: np.ndarray, balls: np.ndarray) -> ConeTree:
+def cone_tree(rays: CornerRays, order: np.ndarray, balls: np.ndarray) -> ConeTree:
     """The tree of pieces in their `order`, with `balls` around where their rays leave."""
     seen = rays.seen
     row_of = np.full(len(seen), -1)

@@ -13,7 +13,7 @@ from anamorph.optics.borders import lens_borders
 from anamorph.optics.laws import refract
 from anamorph.optics.refraction import Refractor, refractor, to_far_face
 from anamorph.reflections.charts import chart_of
-from anamorph.reflections.cone_tree import ConeTree, LeavingRays, balls_around, cone_tree, front_seen
+from anamorph.reflections.cone_tree import ConeTree, CornerRays, balls_around, cone_tree, front_seen
 from anamorph.reflections.distinct import distinct
 from anamorph.reflections.pieces import Pieces
 from anamorph.reflections.seeds import seeds_of
@@ -195,7 +195,7 @@ class LensSearch:
         return rows[found[held]], triangles[held], found[held]
 
 
-def _leaving(faces: LensFaces, eye: np.ndarray, index: float) -> tuple[LeavingRays, np.ndarray]:
+def _leaving(faces: LensFaces, eye: np.ndarray, index: float) -> tuple[CornerRays, np.ndarray]:
     """What the lens makes of the rays of an eye, and the places (P, 3, 3) on the far face by which they leave."""
     chart, surface = faces.near.chart, faces.far.surface
     assert surface is not None
@@ -215,7 +215,7 @@ def _leaving(faces: LensFaces, eye: np.ndarray, index: float) -> tuple[LeavingRa
     exits = np.where(met[:, None], exits, positions)
     directions = np.where(met[:, None], leaving, inside) * distances
     places = surface.places(surface.parameters(exits))
-    rays = LeavingRays(exits.reshape(-1, 3, 3), directions.reshape(-1, 3, 3), seen)
+    rays = CornerRays(exits.reshape(-1, 3, 3), directions.reshape(-1, 3, 3), seen)
     return rays, places.reshape(-1, 3, 3)
 
 

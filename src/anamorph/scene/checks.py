@@ -117,7 +117,7 @@ def _are_numbers(values: object, shape: tuple[int, ...] = ()) -> bool:
     return array.shape == shape and array.dtype.kind in "iuf" and bool(np.isfinite(array).all())
 
 
-def _check_place(where: str, positions: np.ndarray) -> None:
+def check_place(where: str, positions: np.ndarray) -> None:
     """Near enough to the origin for what its coordinates have been rounded to."""
     farthest, extent = float(np.abs(positions).max()), float(np.ptp(np.asarray(positions, float), axis=0).max())
     if farthest > FARTHEST:
@@ -137,7 +137,7 @@ def _checked(mesh: Mesh) -> Mesh:
     if not np.issubdtype(np.asarray(mesh.faces).dtype, np.integer):
         raise AnamorphError(f"{where}: faces are {np.asarray(mesh.faces).dtype}; give integers")
     check_triangles(where, mesh.positions, mesh.faces)
-    _check_place(where, mesh.positions)
+    check_place(where, mesh.positions)
     for name, width in (("normals", 3), ("texcoords", 2), ("colors", 3), ("parameters", 2)):
         values = getattr(mesh, name)
         if values is not None:

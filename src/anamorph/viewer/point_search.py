@@ -6,7 +6,7 @@ import numpy as np
 
 from anamorph.base.errors import AnamorphError
 from anamorph.base.vectors import Vector, tuple_of
-from anamorph.reflections.hiding import visible
+from anamorph.reflections.open_paths import visible
 from anamorph.reflections.reflection_points import ReflectionPoints, ReflectionStatus, reflection_points
 from anamorph.reflections.refraction_points import RefractionPoints, refraction_points
 from anamorph.scene.camera import Camera

@@ -10,14 +10,12 @@ from typing import Any
 
 import numpy as np
 
+from anamorph.base.limits import MOST_NUMBERS
 from anamorph.files.gltf.container import Container
 
 COMPONENTS = {5120: "<i1", 5121: "<u1", 5122: "<i2", 5123: "<u2", 5125: "<u4", 5126: "<f4"}
 UNSIGNED = (5121, 5123, 5125)
 WIDTHS = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4, "MAT4": 16}
-
-MOST_NUMBERS = 2**28
-"""Of one accessor: a sparse one may ask for any count without bytes behind it."""
 
 
 def numbers(container: Container, number: object, what: str, *kinds: str) -> np.ndarray:

@@ -10,7 +10,7 @@ from scenes import SIZE, drawn, scene_with, spherical_mirror
 from anamorph.frame import Status
 from anamorph.gallery import make
 from anamorph.gallery.solids import box
-from anamorph.reflections.hiding import visible
+from anamorph.reflections.open_paths import visible
 from anamorph.reflections.reflection_points import reflection_points
 from anamorph.reflections.refraction_points import refraction_points
 from anamorph.scene.model import Diffuse, Scene

@@ -129,6 +129,33 @@ def ball_points(
     return who, center + radius * (found.real[:, None] * axis + found.imag[:, None] * up[who])
 
 
+def beside_caustic(eye: np.ndarray, count: int, seed: int) -> tuple[np.ndarray, np.ndarray]:
+    """Places of a ball that an eye inside it sees, and points close to where the rays from there touch the caustic."""
+    random = np.random.default_rng(seed)
+    distance = float(np.linalg.norm(eye - CENTER))
+    angle, step = random.uniform(0.1, 3.0, count), 1e-5
+
+    def ray(angle: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        normal = np.stack([np.cos(angle), np.sin(angle)], axis=-1)
+        way = RADIUS * normal - (distance, 0.0)
+        way = way - 2.0 * np.sum(way * normal, axis=1, keepdims=True) * normal
+        return RADIUS * normal, way / np.linalg.norm(way, axis=1, keepdims=True)
+
+    def crossed(one: np.ndarray, other: np.ndarray) -> np.ndarray:
+        return one[:, 0] * other[:, 1] - one[:, 1] * other[:, 0]
+
+    (places, ways), low, high = (ray(angle + shift) for shift in (0.0, -step, step))
+    touching = -crossed(high[0] - low[0], ways) / crossed(high[1] - low[1], ways)
+    away = 10.0 ** random.uniform(-6.0, -1.0, count) * np.where(random.random(count) < 0.5, 1.0, -1.0)
+    points = places + (touching * (1.0 + away))[:, None] * ways
+    axis = (eye - CENTER) / distance
+    aside = np.cross(axis, random.normal(size=(count, 3)))
+    aside /= np.linalg.norm(aside, axis=1, keepdims=True)
+    held = (touching > 0.0) & (np.linalg.norm(points, axis=1) < 0.999 * RADIUS)
+    found = [CENTER + each[:, :1] * axis + each[:, 1:] * aside for each in (places, points)]
+    return found[0][held], found[1][held]
+
+
 def dense_points(trial: Trial, points: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """What is found from all cells of a fine grid in which both slopes of the path's length may vanish.
 

@@ -11,6 +11,7 @@ from reflected_truth import (
     RADIUS,
     Trial,
     ball_points,
+    beside_caustic,
     dense_points,
     door_mirror,
     normal_at,
@@ -86,6 +87,18 @@ def test_a_ball_shows_what_alhazen_s_quartic_says(eye, concave):
     found = found_by(trial, points)
     agrees(trial, found, *ball_points(np.array(CENTER), RADIUS, trial.eye, points, concave))
     assert not found.point_status.any()
+
+
+@pytest.mark.parametrize("eye", [(0.4, 0.3, -0.75), (0.12, 0.21, -0.27), (0.6, 0.6, 0.4)])
+def test_two_places_that_are_about_to_merge_are_both_found_or_are_a_focus(eye):
+    trial = whole_ball(eye, True)
+    places, points = beside_caustic(trial.eye, 600, 3)
+    found, who = reflection_points(trial.scene, trial.eye, points), np.arange(len(points))
+    assert len(points) > 400
+    lost = unmatched(who, places, found.point, found.position, 1e-7 * trial.size)
+    # Where places are so close that rounding moves them, the point is said to be at a focus.
+    assert (found.point_status[lost] == ReflectionStatus.FOUND).sum() <= 0.001 * len(points)
+    assert len(lost) < 0.05 * len(points)
 
 
 @pytest.mark.parametrize("concave", [False, True])

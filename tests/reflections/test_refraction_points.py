@@ -111,9 +111,9 @@ def test_two_places_that_are_about_to_merge_are_both_found_or_are_a_focus(index)
     found, who = lawful(trial, points, foci=True), np.arange(len(points))
     assert len(points) > 300
     places = found.position[:, 0]
-    assert len(unmatched(who, entries, found.point, places, 1e-6 * trial.size)) <= 0.002 * len(points)
     lost = unmatched(who, entries, found.point, places, 1e-7 * trial.size)
-    assert (found.point_status[lost] == ReflectionStatus.FOUND).sum() <= 0.002 * len(points)
+    # Where places are so close that rounding moves them, the point is said to be at a focus.
+    assert (found.point_status[lost] == ReflectionStatus.FOUND).sum() <= 0.001 * len(points)
     assert len(lost) < 0.05 * len(points)
     # On the lit side of the caustic there are two, of two orders.
     assert (found.order < 0).sum() > 100

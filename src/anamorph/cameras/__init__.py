@@ -26,9 +26,9 @@ appendices F and G. Each maker returns a `RayMesh`, most of them one that fills 
 | `from_function` | any smooth function from image points to rays, divided as finely as it wants | |
 | `from_grid` | what the rays of any grid see: what all of these are built on | 5 |
 
-Models of lenses, closed forms both ways: `DistortedPinhole`, `Fisheye` (`kannala_brandt`, `f_theta`, `dome_master`, and by its
-law equidistant, equisolid and stereographic), `DoubleSphere`, `UnifiedOmnidirectional`, `Equirectangular`,
-`Cylindrical`. Their `Intrinsics` count pixels from the top left corner.
+Models of lenses, closed forms both ways: `DistortedPinhole`; `Fisheye`, by its law equidistant, equisolid or
+stereographic, with `kannala_brandt`, `f_theta` and `dome_master`; `DoubleSphere`; `UnifiedOmnidirectional`;
+`Equirectangular`; `Cylindrical`. Their `Intrinsics` count pixels from the top left corner.
 """
 
 from anamorph.cameras.all_around import Cylindrical as Cylindrical

@@ -17,8 +17,8 @@ from anamorph.cameras.lens_model import Intrinsics, checked_numbers, statuses
 from anamorph.raymesh import RayStatus
 
 COUNTS = (0, 4, 5, 8, 12)
-STAGES = 16
-POLISHING = 12
+STAGES = 8
+POLISHING = 10
 RESIDUAL = 1e-12
 """Of the plane z = 1: what is left when an image point is found again."""
 
@@ -66,7 +66,7 @@ class DistortedPinhole:
 
     def rays(self, pixels: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """See `LensModel`. Directions reach the plane z = 1, so that without distortion they are linear."""
-        plane, ok = self._undistort(self.intrinsics.plane(pixels))
+        plane, ok = self.undistort(self.intrinsics.plane(pixels))
         return np.column_stack([plane, np.ones(len(plane))]), statuses(ok, RayStatus.FOLDED)
 
     def pixels(self, directions: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -91,14 +91,11 @@ class DistortedPinhole:
 
         They are followed from the middle of the image outward, by Newton's steps: that leads to no other branch.
         """
-        return self._undistort(np.asarray(moved, float))
-
-    def _undistort(self, moved: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         plane, ok = np.zeros_like(moved), np.ones(len(moved), bool)
         if not any(self.coefficients):
             return moved.copy(), ok
         for stage in range(1, STAGES + 1):
-            for _ in range(POLISHING if stage == STAGES else 3):
+            for _ in range(POLISHING if stage == STAGES else 2):
                 plane, ok = self._step(plane, ok, moved * stage / STAGES)
         found, before = self.distort_checked(plane)
         bound = RESIDUAL * (1.0 + np.linalg.norm(moved, axis=1))

@@ -27,9 +27,7 @@ STEP = 0.25
 """Pixels to each side over which the change of rays is taken."""
 STRETCHED = 0.25
 """Of a pixel's greater extent among directions its smaller one counts as this share at least: at a pole it is 0."""
-CHECKS = np.array(
-    [(1, 1), (1, 0), (0, 1), (2, 1), (1, 2), (0.5, 0.5), (1.5, 1.5), (1.5, 0.5), (0.5, 1.5), (0.67, 1.33), (1.33, 0.67)]
-) / 2.0  # fmt: skip
+CHECKS = np.array([(1 / 2, 1 / 2), (1 / 2, 0), (0, 1 / 2), (1 / 3, 2 / 3), (2 / 3, 1 / 3)])
 """Where in a quad, from its top left, rays are checked."""
 
 

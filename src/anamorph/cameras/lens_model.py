@@ -74,7 +74,7 @@ def checked_numbers(name: str, values: ArrayLike) -> np.ndarray:
     except (TypeError, ValueError):
         numbers = np.array(np.nan)
     if numbers.ndim != 1 or not np.isfinite(numbers).all():
-        raise AnamorphError(f"camera: {name} are {values}; give finite numbers")
+        raise AnamorphError(f"camera: {name} are {values!r}; give finite numbers")
     return numbers
 
 

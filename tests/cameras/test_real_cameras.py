@@ -177,6 +177,13 @@ def test_holes_say_what_they_are() -> None:
     assert not dome.status[dome.faces].any()
 
 
+def test_a_border_is_cut_where_it_is() -> None:
+    pixels = points(4000)
+    there = interpolated(real_camera(MODELS["dome"], EYE, SMALL), SMALL, pixels)[1]
+    distance = np.linalg.norm(pixels - (80.0, 60.0), axis=1)
+    assert there[distance < 59.7].all() and not there[distance > 60.0 + 1e-6].any()
+
+
 def test_any_function_is_a_camera() -> None:
     """Rays that leave a line, as a pushbroom's do, and turn with it."""
 

@@ -23,6 +23,10 @@ RIM = 16.0
 """Pixels from a hole within which triangles that cannot be near enough belong to it."""
 ROOM = 0.8
 """Of the tolerance: what checks between vertices may find, because the largest error lies between them."""
+HALVINGS = 40
+"""After them a border is found to less than a millionth of a pixel."""
+BESIDE = 0.88
+"""The same beside a hole."""
 STEP = 0.25
 """Pixels to each side over which the change of rays is taken."""
 STRETCHED = 0.25
@@ -71,17 +75,20 @@ def from_function(function: RayFunction, size: Size, tolerance: float = 0.1) -> 
             break
         # The error falls with the square of the side; a step too far would cost more than one more.
         side = max(least, side * float(np.clip(0.95 * np.sqrt(wanted / worst), 0.25, 0.9)))
-    bad = seen & (off > wanted)
+    # What lies beside a hole did not say how fine the quads are: it gets more of the tolerance.
+    most = BESIDE * tolerance
+    bad = seen & (off > np.where(near, most, wanted))
     if (bad & ~near).any():
         place = mesh.places()[mesh.faces[np.argmax(np.where(bad & ~near, off, 0.0))]].mean(axis=0)
         raise AnamorphError(
             f"camera: at ({place[0]:.0f}, {place[1]:.0f}) rays change too fast: quads of {side:.3g} pixels are "
             f"{off[bad & ~near].max():.2g} off; give a larger tolerance or a smooth function"
         )
-    kept = seen & ~bad
-    if not kept.any():
+    kept = replace(mesh, faces=mesh.faces[seen & ~bad])
+    if not len(kept.faces):
         raise AnamorphError("camera: no pixel of the image sees anything; give another size or other intrinsics")
-    return replace(mesh, faces=mesh.faces[kept])
+    cut = ~seen & (mesh.status[mesh.faces] == RayStatus.OK).any(axis=1)
+    return _with_border(function, kept, mesh.faces[cut], size, most)
 
 
 def _divided(function: RayFunction, size: Size, quads: tuple[int, int]) -> tuple[RayMesh, np.ndarray, np.ndarray]:
@@ -124,9 +131,13 @@ def _pixels_off(
     for axis in (0, 1):
         step = STEP * np.eye(2)[axis]
         before, after = np.maximum(at - step, 0.0), np.minimum(at + step, size)
+        # Beside a hole the change is taken to one side.
+        for side in (before, after):
+            holes = _called(function, side)[2] != RayStatus.OK
+            side[holes] = at[holes]
         here, there = _called(function, before), _called(function, after)
-        lost |= (here[2] != RayStatus.OK) | (there[2] != RayStatus.OK)
-        width = (after - before)[:, axis, None]
+        lost |= (after == before).all(axis=1)
+        width = np.maximum((after - before)[:, axis, None], 1e-9)
         changes.append([(there[0] - here[0]) / width, (_units(there[1]) - _units(here[1])) / width])
     moved = _least_move(np.stack([each[1] for each in changes], -1), _units(directions) - _units(true_directions))
     moved += _least_move(np.stack([each[0] for each in changes], -1), origins - true_origins)
@@ -139,6 +150,50 @@ def _least_move(change: np.ndarray, error: np.ndarray) -> np.ndarray:
     extents = np.maximum(extents, STRETCHED * extents[:, :1])
     there = extents[:, :1] > 0.0
     return np.linalg.norm(np.einsum("nik,ni->nk", across, error) / np.where(there, extents, np.inf), axis=1)
+
+
+def _with_border(function: RayFunction, mesh: RayMesh, faces: np.ndarray, size: Size, wanted: float) -> RayMesh:
+    """With what is seen of `faces`, (F, 3), which a border crosses, as far as it is as near as `wanted`, pixels."""
+    ok = mesh.status[faces] == RayStatus.OK
+    # A corner that is alone in what it is, seen or not, comes first.
+    alone = np.argmax(ok == (ok.sum(axis=1) == 1)[:, None], axis=1)
+    first, second, third = np.take_along_axis(faces, (alone[:, None] + np.arange(3)) % 3, axis=1).T
+    places, one = mesh.places(), ok.sum(axis=1) == 1
+    ends = []
+    for other in (second, third):
+        seen, lost = places[np.where(one, first, other)], places[np.where(one, other, first)]
+        low, high = np.zeros(len(faces)), np.ones(len(faces))
+        for _ in range(HALVINGS):
+            middle = (low + high) / 2.0
+            there = _called(function, seen + middle[:, None] * (lost - seen))[2] == RayStatus.OK
+            low, high = np.where(there, middle, low), np.where(there, high, middle)
+        ends.append(seen + low[:, None] * (lost - seen))
+    origins, directions, status = _called(function, np.concatenate(ends))
+    near = len(mesh.image) + np.arange(len(faces))
+    far = near + len(faces)
+    made = np.concatenate(
+        [
+            np.column_stack([first, near, far])[one],
+            np.column_stack([near, second, third])[~one],
+            np.column_stack([near, third, far])[~one],
+        ]
+    )
+    whole = RayMesh(
+        image=np.vstack([mesh.image, np.column_stack([np.concatenate(ends), np.ones(2 * len(faces))])]),
+        origins=np.vstack([mesh.origins, origins]),
+        directions=np.vstack([mesh.directions, directions]),
+        faces=made.astype(np.int32),
+        status=np.concatenate([mesh.status, status]),
+    )
+    if len(made):
+        values = [each[whole.faces] for each in (whole.places(), whole.origins, whole.directions)]
+        weights = np.array([(1, 1, 1), (1, 1, 0), (0, 1, 1), (1, 0, 1)], float)
+        weights /= weights.sum(axis=1, keepdims=True)
+        off = [
+            _pixels_off(function, *(np.einsum("k,fki->fi", each, value) for value in values), size) for each in weights
+        ]
+        made = whole.faces[np.max(off, axis=0) <= wanted]
+    return replace(whole, faces=np.concatenate([mesh.faces, made]))
 
 
 def _beside_holes(mesh: RayMesh) -> np.ndarray:

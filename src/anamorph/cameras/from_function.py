@@ -19,6 +19,8 @@ FIRST = 8
 """Quads along the longer side to begin with."""
 LEAST = 2.0
 """The least side of a quad, pixels."""
+FINE = 4.0
+"""The same for what is beside a hole."""
 RIM = 16.0
 """Pixels from a hole within which triangles that cannot be near enough belong to it."""
 ROOM = 0.8
@@ -70,12 +72,15 @@ def from_function(function: RayFunction, size: Size, tolerance: float = 0.1) -> 
         quads = np.maximum(np.ceil(extent / side - 1e-9).astype(int), 1)
         mesh, seen, off = _divided(function, size, (int(quads[0]), int(quads[1])))
         near = _beside_holes(mesh)
-        worst = off[seen & ~near].max(initial=0.0)
-        if worst <= wanted or side <= least:
+        # Rays may turn ever faster towards a hole: what is beside it asks for no smaller quads than these.
+        worst, end = off[seen & ~near].max(initial=0.0), least
+        if worst <= wanted and side > FINE:
+            worst, end = off[seen].max(initial=0.0), max(least, FINE)
+        if worst <= wanted or side <= end:
             break
         # The error falls with the square of the side; a step too far would cost more than one more.
-        side = max(least, side * float(np.clip(0.95 * np.sqrt(wanted / worst), 0.25, 0.9)))
-    # What lies beside a hole did not say how fine the quads are: it gets more of the tolerance.
+        side = max(end, side * float(np.clip(0.95 * np.sqrt(wanted / worst), 0.25, 0.9)))
+    # What lies beside a hole gets more of the tolerance.
     most = BESIDE * tolerance
     bad = seen & (off > np.where(near, most, wanted))
     if (bad & ~near).any():

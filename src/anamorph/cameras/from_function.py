@@ -194,9 +194,8 @@ def _with_border(function: RayFunction, mesh: RayMesh, faces: np.ndarray, size: 
         values = [each[whole.faces] for each in (whole.places(), whole.origins, whole.directions)]
         weights = np.array([(1, 1, 1), (1, 1, 0), (0, 1, 1), (1, 0, 1)], float)
         weights /= weights.sum(axis=1, keepdims=True)
-        off = [
-            _pixels_off(function, *(np.einsum("k,fki->fi", each, value) for value in values), size) for each in weights
-        ]
+        at, leaving, going = (np.einsum("ck,fki->cfi", weights, value) for value in values)
+        off = [_pixels_off(function, *each, size=size) for each in zip(at, leaving, going, strict=True)]
         made = whole.faces[np.max(off, axis=0) <= wanted]
     return replace(whole, faces=np.concatenate([mesh.faces, made]))
 

@@ -17,13 +17,16 @@ class RayStatus(IntEnum):
     """How a vertex got its ray, or why it has none that is seen.
 
     BACK_FACING: the eye sees the other side. TOTAL_REFLECTION: no light leaves the lens on this way. LEFT_BY_EDGE: the
-    ray leaves the lens by its edge, and not by the other face.
+    ray leaves the lens by its edge, and not by the other face. FOLDED: the distortion of a real camera folds back here.
+    OUTSIDE: beyond what a real camera sees.
     """
 
     OK = 0
     BACK_FACING = 1
     TOTAL_REFLECTION = 2
     LEFT_BY_EDGE = 3
+    FOLDED = 4
+    OUTSIDE = 5
 
 
 @dataclass(frozen=True, eq=False)

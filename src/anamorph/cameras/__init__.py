@@ -21,13 +21,32 @@ appendices F and G. Each maker returns a `RayMesh`, most of them one that fills 
 | `from_triangles` | what triangles with normals see | appendix F, 3 |
 | `from_rays` | any rays at any places of the image | appendix F, 3 |
 | `RaySurface` | surfaces given vertex by vertex, as to OpenGL | appendix F, 3 |
+| `real_camera` | what a calibrated camera's lens shows, by its model: see below | |
+| `cube_strip` | six faces of a cube around an eye, side by side | |
+| `from_function` | any smooth function from image points to rays, divided as finely as it wants | |
 | `from_grid` | what the rays of any grid see: what all of these are built on | 5 |
+
+Models of lenses, closed forms both ways: `DistortedPinhole`; `Fisheye`, by its law equidistant, equisolid or
+stereographic, with `kannala_brandt`, `f_theta` and `dome_master`; `DoubleSphere`; `UnifiedOmnidirectional`;
+`Equirectangular`; `Cylindrical`. Their `Intrinsics` count pixels from the top left corner.
 """
 
+from anamorph.cameras.all_around import Cylindrical as Cylindrical
+from anamorph.cameras.all_around import Equirectangular as Equirectangular
+from anamorph.cameras.catadioptric import DoubleSphere as DoubleSphere
+from anamorph.cameras.catadioptric import UnifiedOmnidirectional as UnifiedOmnidirectional
 from anamorph.cameras.detail_and_context import detail_and_context as detail_and_context
+from anamorph.cameras.distorted_pinhole import DistortedPinhole as DistortedPinhole
+from anamorph.cameras.fisheye import Fisheye as Fisheye
+from anamorph.cameras.fisheye import dome_master as dome_master
+from anamorph.cameras.fisheye import f_theta as f_theta
+from anamorph.cameras.fisheye import kannala_brandt as kannala_brandt
+from anamorph.cameras.from_function import from_function as from_function
 from anamorph.cameras.grid import from_grid as from_grid
 from anamorph.cameras.immediate import RaySurface as RaySurface
 from anamorph.cameras.inward_sphere import inward_sphere as inward_sphere
+from anamorph.cameras.lens_model import Intrinsics as Intrinsics
+from anamorph.cameras.lens_model import LensModel as LensModel
 from anamorph.cameras.linear import anti_perspective as anti_perspective
 from anamorph.cameras.linear import orthographic as orthographic
 from anamorph.cameras.linear import perspective as perspective
@@ -37,6 +56,8 @@ from anamorph.cameras.multi_perspective import multi_perspective as multi_perspe
 from anamorph.cameras.panorama import panorama as panorama
 from anamorph.cameras.ray_sets import from_rays as from_rays
 from anamorph.cameras.ray_sets import from_triangles as from_triangles
+from anamorph.cameras.real import cube_strip as cube_strip
+from anamorph.cameras.real import real_camera as real_camera
 from anamorph.cameras.refracting_plane import refracting_plane as refracting_plane
 from anamorph.cameras.strip import strip as strip
 from anamorph.cameras.surface import from_surface as from_surface

@@ -18,15 +18,15 @@ class RayStatus(IntEnum):
 
     BACK_FACING: the eye sees the other side. TOTAL_REFLECTION: no light leaves the lens on this way. LEFT_BY_EDGE: the
     ray leaves the lens by its edge, and not by the other face. FOLDED: the distortion of a real camera folds back here.
-    OUTSIDE: beyond what a real camera sees.
+    OUTSIDE: beyond what a real camera sees. The device has a number of its own, 4, for rays that miss a surface.
     """
 
     OK = 0
     BACK_FACING = 1
     TOTAL_REFLECTION = 2
     LEFT_BY_EDGE = 3
-    FOLDED = 4
-    OUTSIDE = 5
+    FOLDED = 5
+    OUTSIDE = 6
 
 
 @dataclass(frozen=True, eq=False)

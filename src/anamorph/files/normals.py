@@ -82,14 +82,24 @@ def creased(positions: np.ndarray, faces: np.ndarray, crease: float = CREASE) ->
     normals : (W, 3) float64
     """
     faces = np.asarray(faces)
-    _, place = np.unique(np.asarray(positions), axis=0, return_inverse=True)
-    place = place.reshape(-1)[faces]
+    place = _places(np.asarray(positions))[faces]
     group = _smooth_corners(place, doubled_areas(positions, faces), crease)
     _, first = np.unique(group, return_index=True)
     points, triangles = np.asarray(positions, float)[faces.reshape(-1)][first], group.reshape(-1, 3)
     grouped = repaired(smooth_normals(points, triangles), points, triangles)
-    key, copies = np.unique(np.stack([faces.reshape(-1), group], axis=1), axis=0, return_inverse=True)
-    return key[:, 0], copies.reshape(-1, 3), grouped[key[:, 1]]
+    # As one number each: rows take ten times as long to sort.
+    key, copies = np.unique(faces.reshape(-1).astype(np.int64) * len(first) + group, return_inverse=True)
+    source, own = np.divmod(key, len(first))
+    return source, copies.reshape(-1, 3), grouped[own]
+
+
+def _places(positions: np.ndarray) -> np.ndarray:
+    """A number for each vertex, (V,) int64, that all at one place share."""
+    order = np.lexsort(positions.T)
+    ordered = positions[order]
+    place = np.zeros(len(positions), np.int64)
+    place[order[1:]] = np.cumsum((ordered[1:] != ordered[:-1]).any(axis=1))
+    return place
 
 
 def _smooth_corners(place: np.ndarray, area: np.ndarray, crease: float) -> np.ndarray:
@@ -97,10 +107,11 @@ def _smooth_corners(place: np.ndarray, area: np.ndarray, crease: float) -> np.nd
     start, end = np.arange(place.size), np.roll(np.arange(place.size).reshape(-1, 3), -1, axis=1).reshape(-1)
     flat = place.reshape(-1)
     low, high = np.minimum(flat[start], flat[end]), np.maximum(flat[start], flat[end])
-    order = np.lexsort((high, low))
+    edge = low.astype(np.int64) * (flat.max(initial=0) + 1) + high
+    order = np.argsort(edge, kind="stable")
     one, other = order[:-1], order[1:]
     unit = area / np.maximum(np.linalg.norm(area, axis=1, keepdims=True), np.finfo(float).tiny)
-    same_edge = (low[one] == low[other]) & (high[one] == high[other])
+    same_edge = edge[one] == edge[other]
     straight = np.sum(unit[one // 3] * unit[other // 3], axis=1) >= np.cos(np.radians(crease)) - 1e-9
     one, other = one[same_edge & straight], other[same_edge & straight]
     # The two triangles may run along their common edge either way; corners are joined where they are.

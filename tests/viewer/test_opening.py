@@ -214,8 +214,10 @@ def test_a_file_of_the_folder_and_of_the_home_is_opened(hand: Hand, tmp_path: Pa
     ],
 )
 def test_a_cad_file_is_opened_with_the_options_of_the_command_line(monkeypatch, typed, asked) -> None:
-    def open_view(name: str, choice: FaceChoice | None = None, mirror_of: str | None = None) -> Opened:
-        given.append(Source(name, choice, mirror_of))
+    def open_view(
+        name: str, choice: FaceChoice | None = None, mirror_of: str | None = None, units: str = "", axes: str = ""
+    ) -> Opened:
+        given.append(Source(name, choice, mirror_of, units, axes))
         raise AnamorphError("stop")
 
     given: list[Source] = []

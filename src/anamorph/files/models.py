@@ -95,10 +95,12 @@ def load_parts(
         return uniquely_named(Part(mesh.moved(by)) for mesh in cad.load_cad(path, choice))
     if choice is not None:
         raise AnamorphError(f"{path}: faces and density are for CAD files ({', '.join(cad.SUFFIXES)}); leave them out")
-    shapes = READERS[suffix](read(path, "model file"), path)
-    placed = [replace(shape, matrix=_after(shape.matrix, by)) for shape in shapes]
-    away = Similarity.shift(-_far_middle(placed) if near else np.zeros(3))
-    parts = [_part(path, replace(shape, matrix=_after(shape.matrix, away))) for shape in placed]
+    # Numbers that overflow are no warning here: what comes of them is looked at, part by part.
+    with np.errstate(over="ignore", invalid="ignore"):
+        shapes = READERS[suffix](read(path, "model file"), path)
+        placed = [replace(shape, matrix=_after(shape.matrix, by)) for shape in shapes]
+        away = Similarity.shift(-_far_middle(placed) if near else np.zeros(3))
+        parts = [_part(path, replace(shape, matrix=_after(shape.matrix, away))) for shape in placed]
     kept = [part for part in parts if part is not None]
     if not kept:
         raise AnamorphError(f"{path}: has no triangles with an area; give a model with faces, not points or lines")
@@ -122,6 +124,10 @@ def _far_middle(shapes: list[ModelShape]) -> np.ndarray:
     return (low + high) / 2.0 if far else np.zeros(3)
 
 
+LARGEST = 1e9
+"""Of texture coordinates and colours: what float32 can tell apart of larger ones is of no use."""
+
+
 def _part(path: Path, shape: ModelShape) -> Part | None:
     """A shape in the world; None where none of its triangles has an area."""
     where = f"{path}: part '{shape.name}'"
@@ -131,12 +137,12 @@ def _part(path: Path, shape: ModelShape) -> Part | None:
     check_triangles(where, positions, faces)
     if not np.isfinite(matrix).all():
         raise AnamorphError(f"{where}: its transform has NaN or infinite numbers; export it again")
-    if shape.texcoords is not None and not np.isfinite(shape.texcoords).all():
-        raise AnamorphError(f"{where}: its texture coordinates have NaN or infinite numbers; export it again")
-    with np.errstate(over="ignore"):
-        # Unlike a product of matrices, this gives equal vertices the same place.
-        positions = np.einsum("vi,ji->vj", positions, matrix[:3, :3]) + matrix[:3, 3]
-        check_triangles(where, positions.astype(np.float32), faces)
+    for what, values in (("texture coordinates", shape.texcoords), ("vertex colours", shape.colors)):
+        if values is not None and not (np.abs(values) <= LARGEST).all():
+            raise AnamorphError(f"{where}: its {what} have NaN, infinite or far too large numbers; export it again")
+    # Unlike a product of matrices, this gives equal vertices the same place.
+    positions = np.einsum("vi,ji->vj", positions, matrix[:3, :3]) + matrix[:3, 3]
+    check_triangles(where, positions.astype(np.float32), faces)
     # A transform that mirrors turns triangles inside out; the cofactors carry normals, mirrored or not.
     if np.linalg.det(matrix[:3, :3]) < 0:
         faces = faces[:, ::-1]

@@ -16,6 +16,7 @@ from anamorph.files.cad import chosen_faces
 from anamorph.files.model_scene import seen_as_itself, stand_before_mirror
 from anamorph.files.models import SUFFIXES, Part, load_parts, uniquely_named
 from anamorph.files.own_mirror import replace_mirror
+from anamorph.files.reading import is_file
 from anamorph.files.scene_file import Settings, scene_from, start_of
 from anamorph.files.source import FaceChoice, Source
 from anamorph.files.tables import Table, read_tables
@@ -96,7 +97,7 @@ def _opened(source: Source, above: tuple[Path, ...]) -> tuple[Scene, Settings]:
         scene = seen_as_itself(meshes, path.stem) if own else stand_before_mirror(meshes, path.stem)
         named = uniquely_named(map(Part, scene.meshes))
         return check_scene(replace(scene, meshes=tuple(part.mesh for part in named))), Settings()
-    if path.is_file():
+    if is_file(path):
         raise AnamorphError(
             f"{name}: is no scene file and no known model; give one that ends in .toml, {', '.join(SUFFIXES)}"
             f"{nearest(suffix, ('.toml', *SUFFIXES))}"

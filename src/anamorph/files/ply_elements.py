@@ -135,9 +135,20 @@ def _read_text(words: list[bytes], elements: list[Element]) -> None:
         if at > len(words):
             _short(element)
         for one, values, lengths in zip(element.properties, found, counts, strict=True):
-            numbers = np.array(list(map(float, values)))
             # Numbers in a text keep the digits that its own type of float would not.
-            _keep(element, one, numbers if one.dtype.kind == "f" else numbers.astype(one.dtype), np.array(lengths, int))
+            numbers = np.array(list(map(float, values)))
+            if one.dtype.kind != "f":
+                numbers = _whole(numbers, one, element)
+            _keep(element, one, numbers, np.array(lengths, int))
+
+
+def _whole(numbers: np.ndarray, one: Property, element: Element) -> np.ndarray:
+    """Numbers as the integers that a header says they are."""
+    limits = np.iinfo(one.dtype)
+    wrong = ~((numbers >= limits.min) & (numbers <= limits.max))
+    if wrong.any():
+        raise ValueError(f"'{one.name}' of '{element.name}' has the number {numbers[wrong][0]:g}, which does not fit")
+    return numbers.astype(one.dtype)
 
 
 def _read_binary(data: bytes, at: int, elements: list[Element]) -> None:

@@ -105,11 +105,19 @@ def beside(model: Path, name: str) -> Path:
     name = name.strip().strip('"').replace("\\", "/")
     for candidate in (name, unquote(name), Path(name).name):
         path = model.parent / candidate
-        if path.is_file():
+        if is_file(path):
             return path
     raise AnamorphError(
-        f"{model}: names the file '{name}', which is not there; put it beside the model, or remove the name"
+        f"{model}: names the file '{name:.80}', which is not there; put it beside the model, or remove the name"
     )
+
+
+def is_file(path: Path) -> bool:
+    """Whether there is such a file; of a name that the system does not take, such as a very long one, there is none."""
+    try:
+        return path.is_file()
+    except OSError:
+        return False
 
 
 def texture_beside(model: Path, name: str) -> Texture:

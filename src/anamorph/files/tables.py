@@ -14,7 +14,7 @@ import numpy as np
 from anamorph.base.errors import AnamorphError, nearest
 from anamorph.base.limits import LONGEST_KEY, SCENE_BYTES
 from anamorph.files.key_lines import Keys, key_lines
-from anamorph.files.reading import read
+from anamorph.files.reading import is_file, read
 
 Vector = tuple[float, float, float]
 
@@ -139,8 +139,8 @@ class Table:
         """A file, named relative to the folder of this one."""
         self.required(key)
         path = self.path.parent / self.text(key)
-        if not path.is_file():
-            self.wrong(key, f"{key} names '{self.text(key)}', which is not in {self.path.parent}; check the name")
+        if not is_file(path):
+            self.wrong(key, f"{key} names '{self.text(key):.80}', which is not in {self.path.parent}; check the name")
         return path
 
     def _mistaken(self, key: str, wanted: str) -> NoReturn:

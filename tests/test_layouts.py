@@ -62,7 +62,7 @@ RECORDS = [
     ("methods/virtual", "SceneTriangle", triangle_records.SCENE_TRIANGLE, {}),
     ("methods/virtual", "TileRays", tile_tree.TILE_RAYS, {}),
     ("methods/virtual", "GridVertex", grid_search.GRID_VERTEX, {}),
-    ("methods/virtual", "Search", device_search.SEARCH, {}),
+    ("methods/virtual", "Search", device_search.SEARCH, {"padding": None}),
     ("methods/virtual", "MapTexel", device_search.MAP_TEXEL, {"padding_0": None, "padding_1": None}),
     ("methods/virtual", "Reflected", cube_search.REFLECTED, {}),
     ("inward", "Convergence", field_maps.CONVERGENCE, {}),
@@ -213,7 +213,7 @@ def test_object_and_status_share_a_number_as_the_session_takes_it_apart():
         ("methods/virtual", "TRACED", meeting_rays.TRACED), ("methods/virtual", "BORDER", reflector_maps.BORDER),
         *(
             ("methods/virtual", name, getattr(cube_search, name))
-            for name in ("DIFFERENT", "ALIKE", "LARGEST_STEP", "LEAST_STEP", "FIRST_STEP", "CUTS")
+            for name in ("DIFFERENT", "ALIKE", "LARGEST_STEP", "LEAST_STEP", "FIRST_STEP", "AGAIN_STEP", "CUTS")
         ),
         ("methods/trilinear", "SPECULAR", ray_records.SPECULAR), ("raytriangle", "OUTERMOST", solve.OUTERMOST),
     ],

@@ -198,6 +198,35 @@ def test_the_device_finds_what_the_twin_finds(mesh):
         assert np.abs(found["error"] - twin[:, 10])[near].max() < 1e-4
 
 
+def test_a_search_from_the_last_places_keeps_up_with_an_eye_that_moves():
+    maps, points = reflector_maps((BALL,), 128), scattered(np.random.default_rng(6), 3000)
+    device = DeviceSearch(maps, storage_buffer(packed_points(points)), len(points), again=True)
+    last = None
+    for step in range(12):
+        eye = EYE + step * np.array([0.02, 0.005, 0.01])
+        encoder = get_device().create_command_encoder()
+        device.record(encoder, eye, 2)
+        submit(encoder)
+        last = search(maps, eye, points, 2, last)
+    best, cold = search(maps, eye, points, 60), search(maps, eye, points, 2)
+    shown = best[:, 11] == 0.0
+    away = {
+        name: np.linalg.norm(each[shown, :3] - best[shown, :3], axis=1)
+        for name, each in (("again", last), ("cold", cold))
+    }
+    assert shown.sum() > 1000
+    for share in (50, 90):
+        assert np.percentile(away["again"], share) < 0.4 * np.percentile(away["cold"], share)
+    apart = np.linalg.norm(device.found()["place"] - last[:, :3], axis=1)
+    assert np.median(apart) < 1e-5 and np.percentile(apart, 95) < 1e-3
+    # What was hidden and now is shown starts as if it were new.
+    other = EYE * (1.0, 1.0, -1.0)
+    changed = (search(maps, other, points, 2, last)[:, 11] == 0.0) != shown
+    fresh = search(maps, other, points, 2)
+    np.testing.assert_array_equal(search(maps, other, points, 2, last)[changed], fresh[changed])
+    assert changed.sum() > 100
+
+
 def test_a_plane_is_mirrored_on_the_device():
     maps = reflector_maps((plane_mirror("flat", (-1.0, -1.0, 1.0), (2.0, 0.0, 0.0), (0.0, 2.0, 0.0)),), 8)
     assert isinstance(maps, FlatReflector)
@@ -286,7 +315,10 @@ def test_what_moves_is_searched_again():
     assert (session.frame().color == other.color).mean() > 0.999
 
 
-@pytest.mark.parametrize("name", ["iterations", "face"])
-def test_options_of_the_papers_search_are_refused_without_it(name):
+@pytest.mark.parametrize("option", ["iterations=16", "face=16", "start=last"])
+def test_options_of_the_papers_search_are_refused_without_it(option):
+    name = option.split("=")[0]
     with pytest.raises(AnamorphError, match=f"{name} is for the paper's search; leave it out, or give search=cubemap"):
-        drawn(scene_with(flat_mirror()), f"virtual:{name}=16")
+        drawn(scene_with(flat_mirror()), f"virtual:{option}")
+    with pytest.raises(AnamorphError, match="adaptive grids are divided anew"):
+        drawn(scene_with(flat_mirror()), "virtual:search=cubemap,grid=adaptive,start=last")

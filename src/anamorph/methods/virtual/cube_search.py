@@ -36,13 +36,27 @@ CUTS = 16
 
 LARGEST_STEP, LEAST_STEP = 2.0, 1.0 / 64.0
 
-FIRST_STEP = 1.0
+FIRST_STEP, AGAIN_STEP = 1.0, 0.25
+"""The first step; from the last places it is shorter, because too long a one would lead astray anew for each frame."""
 
 GRAIN = 1024
 
 
-def search(maps: ReflectorMaps, eye: np.ndarray, points: np.ndarray, iterations: int) -> np.ndarray:
+def search(
+    maps: ReflectorMaps, eye: np.ndarray, points: np.ndarray, iterations: int, last: np.ndarray | None = None
+) -> np.ndarray:
     """Search for the reflection places of points (N, 3), with so many steps each.
+
+    Parameters
+    ----------
+    maps : ReflectorMaps
+    eye : (3,) array
+    points : (N, 3) array
+        Metres.
+    iterations : int
+    last : (N, 12) float64, optional
+        What was found of these points before, from which the search starts; but not for points that the reflector now
+        hides, or now shows, and not inside of it.
 
     Returns
     -------
@@ -55,9 +69,14 @@ def search(maps: ReflectorMaps, eye: np.ndarray, points: np.ndarray, iterations:
     center, side = np.asarray(maps.center, float), 1.0 if maps.outside else -1.0
     origin = tuple(float(each) for each in np.asarray(eye, float) - center)
     sought = np.asarray(points, float) - center
+    before = np.full((len(points), 4), np.nan)
+    if last is not None:
+        before[:, :3], before[:, 3] = last[:, :3] - center, last[:, 11]
 
     def work(start: int, stop: int) -> None:
-        _search_all(maps.positions, maps.normals, side, maps.reach, origin, sought, iterations, start, stop, found)
+        _search_all(
+            maps.positions, maps.normals, side, maps.reach, origin, sought, before, iterations, start, stop, found
+        )
 
     over_all_cores(work, len(points), GRAIN)
     found[:, :3] += center
@@ -73,6 +92,7 @@ def _search_all(
     reach: float,
     eye: Vector,
     points: np.ndarray,
+    before: np.ndarray,
     iterations: int,
     start: int,
     stop: int,
@@ -81,7 +101,12 @@ def _search_all(
     for i in range(start, stop):
         point = (points[i, 0], points[i, 1], points[i, 2])
         hidden = side > 0.0 and is_hidden(positions, reach, eye, point)
-        place = _settled(positions, normals, side, eye, point, hidden, iterations)
+        # The bisector of the directions from the middle; of a hidden point the direction to the eye alone is of use.
+        place = unit(eye) if hidden else bisector(eye, (0.0, 0.0, 0.0), point)
+        place, step = along((0.0, 0.0, 0.0), side, place), FIRST_STEP
+        if before[i, 3] == (HIDDEN if hidden else SHOWN):
+            place, step = (before[i, 0], before[i, 1], before[i, 2]), AGAIN_STEP
+        place = _settled(positions, normals, side, eye, point, hidden, place, step, iterations)
         p, n = lookup(positions, place), unit(lookup(normals, place))
         seen = mirrored(point, p, n) if hidden else point
         b = bisector(eye, p, seen)
@@ -105,14 +130,11 @@ def _settled(
     eye: Vector,
     point: Vector,
     hidden: bool,
+    place: Vector,
+    step: float,
     iterations: int,
 ) -> Vector:
-    """Where, seen from the middle, the search is after its steps."""
-    # The bisector of the directions from the middle; of a hidden point the direction to the eye alone is of use.
-    place = unit(eye) if hidden else bisector(eye, (0.0, 0.0, 0.0), point)
-    if side < 0.0:
-        place = (-place[0], -place[1], -place[2])
-    step = FIRST_STEP
+    """Where, seen from the middle, a search that starts at `place` is after its steps, the first of them `step`."""
     for _ in range(iterations):
         p = lookup(positions, place)
         first = toward(positions, normals, side, eye, point, hidden, p, place)

@@ -7,6 +7,7 @@ const ALIKE = 0.2;
 const LARGEST_STEP = 2.0;
 const LEAST_STEP = 0.015625;
 const FIRST_STEP = 1.0;
+const AGAIN_STEP = 0.25;
 const LEAST = 1e-30;
 // Of the way to a point, until it is in the reflector or nearest to it.
 const CUTS = 16;
@@ -27,6 +28,8 @@ struct Search {
     rest: u32,
     // How far the reflector is from its middle at most.
     reach: f32,
+    // 1 where searches start from what was found last.
+    again: u32,
 }
 
 struct MapTexel {
@@ -150,8 +153,13 @@ fn search_points(@builtin(global_invocation_id) number: vec3u) {
         return;
     }
     let hidden = is_hidden(point);
-    var place = search.side * select(bisector(vec3f(0.0), point), unit(search.eye), hidden);
+    let last = reflected[number.x];
     var step = FIRST_STEP;
+    var place = search.side * select(bisector(vec3f(0.0), point), unit(search.eye), hidden);
+    if search.again == 1u && last.length != 0.0 && last.length != UNKNOWN && (last.length < 0.0) == hidden {
+        place = last.place - search.center;
+        step = AGAIN_STEP;
+    }
     for (var iteration = 0u; iteration < search.iterations; iteration++) {
         let here = lookup(place);
         let first = toward(here, point, hidden);

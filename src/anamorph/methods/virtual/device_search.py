@@ -16,6 +16,7 @@ SEARCH = np.dtype(
     [
         ("eye", "f4", 3), ("side", "f4"), ("center", "f4", 3), ("size", "i4"),
         ("iterations", "u4"), ("count", "u4"), ("rest", "u4"), ("reach", "f4"),
+        ("again", "u4"), ("padding", "u4", 3),
     ]
 )  # fmt: skip
 """`Search` of cube_search.wgsl."""
@@ -57,6 +58,8 @@ class DeviceSearch:
     reflected : buffer, optional
         Where what is found goes, if it is not the search's own. Only those points are then searched for whose length
         there is not known.
+    again : bool
+        Whether each search starts from what the last one found.
 
     Attributes
     ----------
@@ -70,8 +73,9 @@ class DeviceSearch:
         points: wgpu.GPUBuffer,
         count: int,
         reflected: wgpu.GPUBuffer | None = None,
+        again: bool = False,
     ) -> None:
-        self._maps, self._count, self._rest = maps, count, int(reflected is not None)
+        self._maps, self._count, self._rest, self._again = maps, count, int(reflected is not None), int(again)
         if isinstance(maps, FlatReflector):
             texels = np.zeros(1, MAP_TEXEL)
             texels["normal"] = maps.normal
@@ -93,6 +97,7 @@ class DeviceSearch:
         search["eye"], search["center"] = eye - self._maps.center, self._maps.center
         search["side"], search["size"], search["reach"] = self._side, self._size, self._reach
         search["iterations"], search["count"], search["rest"] = iterations, self._count, self._rest
+        search["again"] = self._again
         get_device().queue.write_buffer(self._uniform, 0, search)
         compute_pass = encoder.begin_compute_pass()
         compute_pass.set_pipeline(_pipeline())

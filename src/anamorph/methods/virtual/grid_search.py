@@ -40,11 +40,14 @@ class GridKind:
         The cells of a regular grid, as a share of its mesh's vertices.
     iterations : int
         Steps of each search.
+    again : bool
+        Whether each search starts from what the last one found.
     """
 
     kind: str
     share: float
     iterations: int
+    again: bool = False
 
 
 @of_device
@@ -89,7 +92,7 @@ class GridSearch:
         self._points = storage_buffer(packed_points(geometry.positions))
         written = storage_buffer(np.zeros(max(count, 1), REFLECTED), wgpu.BufferUsage.COPY_SRC)
         # Of all vertices, or of those that no grid tells of.
-        self._vertices = DeviceSearch(maps, self._points, count, None if self._plain else written)
+        self._vertices = DeviceSearch(maps, self._points, count, None if self._plain else written, kind.again)
         self._corners: DeviceSearch | None = None
         self._held: list[wgpu.GPUBuffer | None] = [None, None, None]
         self.searches = count
@@ -134,7 +137,8 @@ class GridSearch:
             grid = regular_grid(vertices, self._kind.share)
             grids.append(grid.without(within(self._maps, grid.points), vertices))
         grid = joined(grids)
-        self._corners = DeviceSearch(self._maps, storage_buffer(packed_points(grid.points)), len(grid.points))
+        points, count = storage_buffer(packed_points(grid.points)), len(grid.points)
+        self._corners = DeviceSearch(self._maps, points, count, again=self._kind.again)
         self.searches = len(grid.points)
         self._take(grid, self._corners.reflected)
 

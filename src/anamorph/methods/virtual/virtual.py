@@ -52,6 +52,9 @@ class Options:
         are traced.
     iterations : int
         Steps of the search on cube maps.
+    start : str
+        Where that search starts. "bisector": as the paper has it, whatever was drawn before. "last": from what it found
+        for the last frame, so that fewer steps suffice while little moves.
     face : int
         Texels along each side of the cube maps' faces.
     grid : str
@@ -66,6 +69,7 @@ class Options:
     antialias: int = option(1, choices=(1, 4))
     search: str = option("tiles", choices=("tiles", "cubemap"))
     iterations: int = option(9, low=0, high=1000)
+    start: str = option("bisector", choices=("bisector", "last"))
     face: int = option(128, low=4, high=1024)
     grid: str = option("none", choices=("none", "regular", "adaptive"))
     share: float = option(0.096, low=1e-6, high=1.0)
@@ -101,7 +105,7 @@ class VirtualDrawing(FindingDrawing):
             self._lines.append((leaving, MeetingRays(stage, leaving, *self._moving.buffers, size)))
         self._objects: VirtualMeshes | None = None
         if options.search == "cubemap":
-            kind = GridKind(options.grid, options.share, options.iterations)
+            kind = GridKind(options.grid, options.share, options.iterations, options.start == "last")
             self._objects = VirtualMeshes(stage, bodies, self._lines[0][0], size, options.face, kind)
         self._caster = Caster(geometry)
         self._doubt = DoubtTracer(stage, self.visibility, self._caster, options.bounces)
@@ -183,9 +187,13 @@ class VirtualDrawing(FindingDrawing):
 def open_session(view: View, options: Options) -> Session:
     """Start drawing `view` by virtual objects."""
     check_options("virtual", options)
-    for name in ("iterations", "face", "grid", "share"):
+    for name in ("iterations", "start", "face", "grid", "share"):
         if options.search != "cubemap" and getattr(options, name) != getattr(Options, name):
             raise AnamorphError(f"virtual: {name} is for the paper's search; leave it out, or give search=cubemap")
+    if options.grid == "adaptive" and options.start == "last":
+        raise AnamorphError(
+            "virtual: adaptive grids are divided anew for each eye; leave start out, or give another grid"
+        )
     if options.grid != "regular" and options.share != Options.share:
         raise AnamorphError("virtual: share is for regular grids; leave it out, or give grid=regular")
     stage = Stage(view)
